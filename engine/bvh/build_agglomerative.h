@@ -1,0 +1,15 @@
+#pragma once
+
+#include "engine/bvh/bvh.h"
+
+namespace zoe {
+
+/// Builds bottom up: merges the two boxes whose union has the least area, again and again, until one is left. Leaves hold
+/// one primitive. Ties go by (area, lower id, higher id), which makes it end and makes it deterministic.
+/// boxes      [primitive_count], finite and not empty.
+/// storage    a tree whose memory is reused.
+/// Cost       O(n^2) here: the nearest neighbour is found by a linear search.
+/// Source     Walter, Bala, Kulkarni, Pingali. Fast Agglomerative Clustering for Rendering. IEEE RT 2008.
+Bvh build_agglomerative(std::span<const Aabb> boxes, Bvh storage = {});
+
+}  // namespace zoe

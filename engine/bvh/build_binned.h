@@ -1,0 +1,21 @@
+#pragma once
+
+#include "engine/bvh/bvh.h"
+
+namespace zoe {
+
+struct BinnedConfig {
+    int bin_count = 16;      ///< 2 to 64.
+    int max_leaf_size = 8;   ///< A leaf with more primitives is split even where that does not pay.
+    float node_cost = 1.0f;  ///< Cost of visiting a node, in units of a triangle test.
+};
+
+/// Builds by binned SAH: primitives are sorted into bins by centroid, and only splits between bins are tried. For trees
+/// that are rebuilt every frame.
+/// boxes      [primitive_count]; empty or non-finite boxes are kept out of bounds but stay in the tree.
+/// storage    a tree whose memory is reused.
+/// Cost       O(n log n), in parallel over subtrees; the same tree whatever the number of threads.
+/// Source     Wald. On fast Construction of SAH-based Bounding Volume Hierarchies. IEEE RT 2007.
+Bvh build_binned(std::span<const Aabb> boxes, const BinnedConfig& config = {}, Bvh storage = {});
+
+}  // namespace zoe

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "engine/bvh/bvh.h"
+
+namespace zoe {
+
+struct SweepConfig {
+    int max_leaf_size = 8;   ///< A leaf with more primitives is split even where that does not pay.
+    float node_cost = 1.0f;  ///< Cost of visiting a node, in units of a triangle test.
+};
+
+/// Builds by full-sweep SAH: every split position of every axis is tried; a node becomes a leaf where no split pays.
+/// boxes      [primitive_count]; empty or non-finite boxes are kept out of bounds but stay in the tree.
+/// storage    a tree whose memory is reused.
+/// Cost       O(n log n): three sorts, then stable partitions.
+/// Source     MacDonald, Booth. Heuristics for Ray Tracing Using Space Subdivision. The Visual Computer 1990.
+Bvh build_sweep(std::span<const Aabb> boxes, const SweepConfig& config = {}, Bvh storage = {});
+
+}  // namespace zoe

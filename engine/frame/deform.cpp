@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/frame/frame_state.h"
+#include "engine/math/parallel.h"
+
+namespace zoe {
+
+namespace {
+
+// The mesh of a sequence at a time. Frame numbers are times * fps: a millionth of a frame early still counts as that frame.
+MeshId mesh_at(const MeshSequence& sequence, double time_s, bool is_looping) {
+    const double count = static_cast<double>(sequence.meshes.size());
+    double frame = std::floor(time_s * sequence.fps + 1e-6);
+    frame = is_looping ? frame - count * std::floor(frame / count) : std::clamp(frame, 0.0, count - 1.0);
+    return sequence.meshes[static_cast<size_t>(std::clamp(frame, 0.0, count - 1.0))];
+}
+
+// Joint matrices into `joints`, in world space or in that of the skin's frame node.
+void pose_joints(const Skin& skin, Shape* shape, const FrameState& state, std::vector<Affine>* joints) {
+    joints->resize(skin.joints.size());
+    SkinPath& path = shape->skin_path;
+    for (size_t k = 1; k < path.nodes.size(); ++k) {
+        path.frame_from_node[k] = path.frame_from_node[path.parents[k]] * state.local_matrices[index(path.nodes[k])];
+    }
+    for (size_t joint = 0; joint < skin.joints.size(); ++joint) {
+        if (path.nodes.empty()) {
+            (*joints)[joint] = state.world_matrices[index(skin.joints[joint])] * skin.joint_from_mesh[joint];
+        } else if (path.joints[joint] != kNoPathNode) {
+            (*joints)[joint] = path.frame_from_node[path.joints[joint]] * skin.joint_from_mesh[joint];
+        } else {
+            (*joints)[joint] = Affine{};
+        }
+    }
+}
+
+// Morphs first, then the skin: targets are offsets in the bind pose.
+void deform_vertices(const Mesh& mesh, Shape* shape) {
+    shape->deformed_positions.resize(mesh.positions.size());
+    shape->deformed_normals.resize(mesh.normals.size());
+    morph_positions(mesh.positions, mesh.targets, shape->weights, shape->deformed_positions);
+    morph_normals(mesh.normals, mesh.targets, shape->weights, shape->deformed_normals);
+    if (shape->has_skin) {
+        skin_positions(mesh.binding, shape->joints, shape->deformed_positions, shape->deformed_positions);
+        skin_normals(mesh.binding, shape->joints, shape->deformed_normals, shape->deformed_normals);
+    }
+}
+
+void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
+    const Node& node = scene[shape->node];
+    const MeshId mesh_id = node.sequence ? mesh_at(*node.sequence, state.time_s, scene.playback.is_looping) : node.mesh;
+    const Mesh& mesh = scene[mesh_id];
+    shape->is_topology_changed = mesh_id != shape->mesh || mesh.version != shape->mesh_version || !shape->has_blas;
+    shape->is_changed = shape->is_topology_changed;
+    shape->mesh = mesh_id;
+    shape->mesh_version = mesh.version;
+
+    const bool is_morphed = !mesh.targets.empty() && !node.sequence;
+    if (!is_morphed && !shape->has_skin) {
+        shape->positions = mesh.positions;
+        shape->normals = mesh.normals;
+        return;
+    }
+    if (is_morphed && shape->weights != state.weights[index(shape->node)]) {
+        shape->weights = state.weights[index(shape->node)];
+        shape->is_changed = true;
+    }
+    if (shape->has_skin) {
+        thread_local std::vector<Affine> joints;
+        pose_joints(scene.skins[index(node.skin)], shape, state, &joints);
+        if (joints != shape->joints) {
+            shape->joints = joints;
+            shape->is_changed = true;
+        }
+    }
+    if (shape->is_changed) deform_vertices(mesh, shape);
+    shape->positions = shape->deformed_positions;
+    shape->normals = shape->deformed_normals;
+}
+
+}  // namespace
+
+void deform(const Scene& scene, FrameState* state) {
+    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) deform_shape(scene, *state, &state->shapes[k]);
+    });
+}
+
+}  // namespace zoe

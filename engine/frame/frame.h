@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/frame/build_tlas.h"
+#include "engine/frame/trace.h"
+
+namespace zoe {
+
+/// What one frame did. Times in ms. `advance` fills the first four times and the counts of nodes; `trace` belongs to
+/// whoever traces.
+struct FrameStats {
+    double animate_ms = 0, deform_ms = 0, update_blas_ms = 0, build_tlas_ms = 0, trace_ms = 0;
+    uint32_t kept = 0, refitted = 0, rebuilt = 0;  ///< Nodes, by what was done to their BLAS.
+    uint64_t rays = 0, hits = 0, hits_hash = 0;
+
+    struct Kind {
+        uint64_t rays = 0;
+        double ms = 0;  ///< Summed over threads, divided by their number.
+    };
+    Kind primary, diffuse, shadow;
+
+    double frame_ms() const { return animate_ms + deform_ms + update_blas_ms + build_tlas_ms + trace_ms; }
+};
+
+/// Makes the frame at a time: animate, deform, update_blas, build_tlas. The result depends on the scene and the time only,
+/// never on the frames before.
+/// Returns    the tree to trace, owned by the scene; valid until the next call.
+/// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled.
+/// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
+const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
+
+/// World matrix of a node at the last `advance`: cameras and lights.
+const Affine& world_from_node(const Scene& scene, NodeId node);
+
+/// The motion class of a node as worked out at the last `advance`.
+Motion motion(const Scene& scene, NodeId node);
+
+}  // namespace zoe

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/bvh/blas.h"
+#include "engine/frame/build_tlas.h"
+#include "engine/frame/classify.h"
+
+namespace zoe {
+
+inline constexpr uint32_t kNoPathNode = 0xffffffffu;
+
+/// Joint matrices of a skin in the space of an animated node that all its joints hang from: products of the local
+/// matrices between them, which no clip changes.
+struct SkinPath {
+    std::vector<NodeId> nodes;            ///< Parents first; nodes[0] is the frame node, its matrix taken as the identity.
+    std::vector<uint32_t> parents;        ///< [nodes] position of each one's parent in `nodes`.
+    std::vector<uint32_t> joints;         ///< [joint_count] position in `nodes`; kNoPathNode for joints that move no vertex.
+    std::vector<Affine> frame_from_node;  ///< [nodes] scratch.
+};
+
+/// What a node that shows a mesh keeps from frame to frame.
+struct Shape {
+    NodeId node = kNone<NodeId>;
+    NodeMotion motion;
+    bool has_skin = false;
+    SkinPath skin_path;  ///< Used where motion.frame is a node.
+
+    MeshId mesh = kNone<MeshId>;  ///< Shown in this frame.
+    std::vector<float> weights;   ///< This frame's morph weights.
+    std::vector<Affine> joints;   ///< This frame's joint matrices, skin space from mesh.
+
+    std::vector<glm::vec3> deformed_positions, deformed_normals;
+    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, or the deformed.
+
+    bool is_changed = true;           ///< Its vertices are other than in the last frame.
+    bool is_topology_changed = true;  ///< So may be its triangles.
+    uint64_t mesh_version = 0;
+    bool has_blas = false;  ///< `blas` holds the last frame's triangles.
+    Blas own_blas;
+    Blas* blas = nullptr;  ///< own_blas, or one shared by all nodes that show the mesh undeformed.
+};
+
+/// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
+struct FrameState {
+    std::vector<NodeId> parents_first;
+    std::vector<NodeMotion> motions;                     ///< [node_count]
+    std::vector<Trs> locals;                             ///< [node_count] this frame's, where the node has no matrix.
+    std::vector<Affine> local_matrices, world_matrices;  ///< [node_count] this frame's.
+    std::vector<std::vector<float>> weights;             ///< [node_count] this frame's; empty where nothing is morphed.
+    double time_s = 0.0;                                 ///< Of this frame.
+    std::vector<float> sampled;                          ///< Scratch.
+    std::vector<Shape> shapes;                           ///< In order of their nodes.
+    std::vector<Blas> shared_blases;                     ///< [mesh_count] of meshes shown undeformed.
+    std::vector<uint8_t> is_shared_blas_built;           ///< [mesh_count]
+    size_t written_mesh_count = 0;                       ///< Meshes that the user had written when nodes were classified.
+    std::vector<Aabb> bounds;                            ///< Scratch of build_tlas.
+    Tlas tlas;
+};
+
+/// Classifies the nodes and makes room for everything, once a scene.
+void prepare(Scene& scene, FrameState* state);
+/// Meshes that were given to `Scene::write_mesh`; when it changes, nodes are classified anew.
+size_t count_written_meshes(const Scene& scene);
+
+/// The stages, in order. Each reads what the ones before it wrote.
+void animate(const Scene& scene, double time_s, FrameState* state);
+void deform(const Scene& scene, FrameState* state);
+struct FrameStats;
+void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
+void build_tlas(Scene& scene, FrameState* state);
+
+}  // namespace zoe

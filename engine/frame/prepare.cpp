@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <string>
+
+#include "engine/frame/frame_state.h"
+
+namespace zoe {
+
+namespace {
+
+// The nodes between a skin's frame node and its joints.
+SkinPath find_path(const Scene& scene, const Skin& skin, std::span<const uint8_t> is_used, NodeId frame,
+                   std::span<const uint32_t> rank) {
+    SkinPath path;
+    std::vector<uint8_t> is_on_path(scene.nodes.size(), 0);
+    is_on_path[index(frame)] = 1;
+    path.nodes.push_back(frame);
+    for (size_t joint = 0; joint < skin.joints.size(); ++joint) {
+        if (!is_used[joint]) continue;
+        for (NodeId node = skin.joints[joint]; !is_on_path[index(node)]; node = scene[node].parent) {
+            is_on_path[index(node)] = 1;
+            path.nodes.push_back(node);
+        }
+    }
+    std::sort(path.nodes.begin(), path.nodes.end(), [&](NodeId a, NodeId b) { return rank[index(a)] < rank[index(b)]; });
+    std::vector<uint32_t> position(scene.nodes.size(), kNoPathNode);
+    for (uint32_t k = 0; k < path.nodes.size(); ++k) position[index(path.nodes[k])] = k;
+    for (const NodeId node : path.nodes) path.parents.push_back(node == frame ? 0 : position[index(scene[node].parent)]);
+    for (size_t joint = 0; joint < skin.joints.size(); ++joint) {
+        path.joints.push_back(is_used[joint] ? position[index(skin.joints[joint])] : kNoPathNode);
+    }
+    path.frame_from_node.resize(path.nodes.size());
+    return path;
+}
+
+void warn_of_refused_motion(Scene& scene, const std::vector<NodeMotion>& motions) {
+    for (size_t k = 0; k < motions.size(); ++k) {
+        const Node& node = scene.nodes[k];
+        if (!node.motion || *node.motion >= motions[k].content) continue;
+        scene.warn("/nodes/" + std::to_string(k) + "/extras/motion: '" + name(*node.motion) +
+                   "' refused: the node's content is " + name(motions[k].content));
+    }
+}
+
+}  // namespace
+
+void prepare(Scene& scene, FrameState* state) {
+    const size_t node_count = scene.nodes.size();
+    state->parents_first = scene.parents_first();
+    state->motions = classify(scene);
+    state->locals.resize(node_count);
+    state->local_matrices.resize(node_count);
+    state->world_matrices.resize(node_count);
+    state->weights.resize(node_count);
+    state->shared_blases.resize(scene.meshes.size());
+    state->is_shared_blas_built.resize(scene.meshes.size());
+    state->written_mesh_count = count_written_meshes(scene);
+    warn_of_refused_motion(scene, state->motions);
+
+    std::vector<uint32_t> rank(node_count);
+    for (uint32_t k = 0; k < node_count; ++k) rank[index(state->parents_first[k])] = k;
+    for (uint32_t k = 0; k < node_count; ++k) {
+        const Node& node = scene.nodes[k];
+        if (node.mesh != kNone<MeshId>) state->weights[k].resize(scene[node.mesh].targets.size());
+        const bool shows_mesh = node.mesh != kNone<MeshId> || (node.sequence && !node.sequence->meshes.empty());
+        if (!node.is_shown || !shows_mesh) continue;
+        Shape& shape = state->shapes.emplace_back();
+        shape.node = NodeId{k};
+        shape.motion = state->motions[k];
+        shape.has_skin = !node.sequence && node.skin != kNone<SkinId> && scene[node.mesh].binding.influence_count > 0;
+        if (shape.has_skin && shape.motion.frame != kNone<NodeId>) {
+            const Skin& skin = scene.skins[index(node.skin)];
+            const auto is_used = used_joints(scene[node.mesh].binding, skin.joints.size());
+            shape.skin_path = find_path(scene, skin, is_used, shape.motion.frame, rank);
+        }
+    }
+    for (Shape& shape : state->shapes) {
+        const Node& node = scene[shape.node];
+        const bool is_undeformed = !node.sequence && !shape.has_skin && scene[node.mesh].targets.empty();
+        const bool is_shared = is_undeformed && shape.motion.motion <= Motion::kRigid;
+        shape.blas = is_shared ? &state->shared_blases[index(node.mesh)] : &shape.own_blas;
+    }
+}
+
+size_t count_written_meshes(const Scene& scene) {
+    return static_cast<size_t>(
+        std::count_if(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.version > 0; }));
+}
+
+}  // namespace zoe

@@ -1,0 +1,76 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/frame/frame.h"
+#include "engine/frame/frame_state.h"
+#include "engine/math/parallel.h"
+
+namespace zoe {
+
+namespace {
+
+struct Method {
+    BlasBuilder builder;
+    bool is_refitted;  // Moved vertices refit the tree; else they rebuild it.
+};
+
+// By motion class: what its BLAS is built with, and what moving vertices do to it.
+constexpr Method kMethods[kMotionCount] = {
+    {BlasBuilder::kSweep, false},   // static: built once
+    {BlasBuilder::kSweep, false},   // rigid: built once, rays are transformed
+    {BlasBuilder::kSweep, true},    // deforming
+    {BlasBuilder::kBinned, false},  // arbitrary
+};
+
+enum class Action { kKeep, kRefit, kRebuild };
+
+// The cheapest that leaves the tree valid for this frame's vertices.
+Action action_for(const Shape& shape) {
+    if (!shape.has_blas || shape.is_topology_changed) return Action::kRebuild;
+    if (!shape.is_changed) return Action::kKeep;
+    return kMethods[static_cast<int>(shape.motion.motion)].is_refitted ? Action::kRefit : Action::kRebuild;
+}
+
+void update(const Scene& scene, Action action, Shape* shape) {
+    const Mesh& mesh = scene[shape->mesh];
+    const BlasBuilder builder = kMethods[static_cast<int>(shape->motion.motion)].builder;
+    if (action == Action::kRefit) {
+        refit_blas(shape->positions, mesh.corners, shape->blas);
+    } else if (action == Action::kRebuild) {
+        build_blas(shape->positions, mesh.corners, builder, shape->blas);
+    }
+    shape->has_blas = true;
+}
+
+}  // namespace
+
+void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
+    // A shared BLAS is built by the first node that shows it; the work list holds every tree once.
+    thread_local std::vector<std::pair<Shape*, Action>> work;
+    work.clear();
+    for (Shape& shape : state->shapes) {
+        const Action action = action_for(shape);
+        (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
+        if (action == Action::kKeep) continue;
+        const bool is_shared = shape.blas != &shape.own_blas;
+        if (is_shared && state->is_shared_blas_built[index(shape.mesh)]) {
+            shape.has_blas = true;
+            continue;
+        }
+        if (is_shared) state->is_shared_blas_built[index(shape.mesh)] = 1;
+        work.emplace_back(&shape, action);
+    }
+    auto& jobs = work;  // The caller's, not the workers' own.
+    parallel_for(0, jobs.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) update(scene, jobs[k].second, jobs[k].first);
+    });
+    for (const auto& [shape, action] : jobs) {
+        if (const uint32_t count = shape->blas->not_finite_count; count > 0) {
+            scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +
+                       "': triangles with NaN or infinite corners are never hit");
+        }
+    }
+}
+
+}  // namespace zoe

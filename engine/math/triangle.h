@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/math/aabb.h"
+#include "engine/math/ray.h"
+
+namespace zoe {
+
+/// Three corners and the index of the triangle in its mesh, as kept in the leaves of a BLAS.
+struct Triangle {
+    glm::vec3 a, b, c;
+    uint32_t primitive;
+};
+
+inline Aabb bounds(const Triangle& t) {
+    Aabb box;
+    box.extend(t.a);
+    box.extend(t.b);
+    box.extend(t.c);
+    return box;
+}
+
+/// What a ray's box and triangle tests share: computed once a ray and space.
+struct RayFrame {
+    glm::vec3 origin;
+    glm::vec3 inverse_direction;  ///< Clamped to finite values: 0 * inf never happens.
+    float shear_x, shear_y, shear_z;
+    int kx, ky, kz;  ///< kz: the axis along which the direction is longest.
+    bool is_valid;   ///< False for a zero or non-finite direction or origin: such a ray hits nothing.
+
+    explicit RayFrame(const Ray& ray);
+};
+
+/// Slab test.
+/// Returns    the entry `t` (at least 0), or +infinity on a miss. Monotone: a box that contains another is entered no
+///            later, to the last bit, which is what makes hits independent of the tree.
+/// Source     Ize. Robust BVH Ray Traversal. JCGT 2013. Deviation: both ends are padded, by kBoxPad.
+inline float entry(const RayFrame& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max);
+
+struct TriangleHit {
+    float t, u, v;  ///< The point is (1 - u - v) a + u b + v c.
+};
+
+/// Watertight ray-triangle test, both sides. Edges and vertices that triangles share are hit by at least one of them.
+/// t_floor    `t` is never below this nor below the entry into the triangle's own box (see `entry`).
+/// Returns    false on a miss, for zero-area and for non-finite triangles, and for t outside [t_min, t_max].
+/// Source     Woop, Benthin, Wald. Watertight Ray/Triangle Intersection. JCGT 2013. Deviation: a hit must also enter the
+///            triangle's box, and t is clamped to it, so that the same triangles are hit whatever the tree.
+bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, float t_min, float t_max, TriangleHit* hit);
+
+/// Relative widening of a slab interval at each end: covers the rounding of both tests (6 ulp).
+inline constexpr float kBoxPad = 6.0f * 1.1920929e-7f;
+
+inline float entry(const RayFrame& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max) {
+    const glm::vec3 t0 = (lo - ray.origin) * ray.inverse_direction;
+    const glm::vec3 t1 = (hi - ray.origin) * ray.inverse_direction;
+    const glm::vec3 near = glm::min(t0, t1);
+    const glm::vec3 far = glm::max(t0, t1);
+    const float t_in = glm::max(glm::max(near.x, near.y), glm::max(near.z, 0.0f)) * (1.0f - kBoxPad);
+    const float t_out = glm::min(far.x, glm::min(far.y, far.z)) * (1.0f + kBoxPad);
+    return t_in <= t_out && t_in <= t_max ? t_in : std::numeric_limits<float>::infinity();
+}
+
+}  // namespace zoe

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "engine/scene/scene.h"
+
+namespace zoe {
+
+struct GltfOptions {
+    std::optional<int> scene;  ///< Which of the file's scenes; else the file's default, else the first.
+    bool load_images = true;   ///< False: Scene::images keeps names only.
+};
+
+/// Reads a .gltf or .glb file: nodes, meshes, skins, morph targets, clips, cameras, lights, materials.
+/// file       its references are followed only inside its own folder.
+/// Throws     SceneError `file: JSON pointer: reason` for what is broken, hostile, or required and not supported.
+///            What exporters commonly get slightly wrong loads with a warning in Scene::warnings.
+Scene load_gltf(const std::filesystem::path& file, const GltfOptions& options = {});
+
+}  // namespace zoe

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace zoe {
+
+/// 8-bit RGBA pixels as stored in the file (sRGB or linear is the user's business), top row first. No pixels: missing.
+struct Image {
+    std::string name;
+    int width = 0, height = 0;
+    std::vector<uint8_t> pixels;  ///< [height * width * 4]
+};
+
+/// Decodes PNG, JPEG and whatever else OpenImageIO reads.
+/// Returns    false, with the reason in `error`, for broken files and for more than 16384 pixels a side.
+bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error);
+
+/// One layer channel of a picture to write: name ("R", "depth.Z", "node.id") and [height * width] values.
+struct Channel {
+    std::string name;
+    std::span<const float> values;
+    bool is_id = false;  ///< Written as a 32-bit unsigned integer (EXR); bit pattern of `values` reinterpreted.
+};
+
+/// Writes an EXR file with named channels (32-bit float, or uint32 for ids): to a temporary name, then renamed.
+/// Throws     std::runtime_error with the file's name and the reason; nothing is left behind.
+void write_exr(const std::filesystem::path& file, int width, int height, std::span<const Channel> channels);
+
+/// Writes an 8-bit PNG, top row first: to a temporary name, then renamed.
+/// rgba       [height * width * 4]
+void write_png(const std::filesystem::path& file, int width, int height, std::span<const uint8_t> rgba);
+
+/// Reads any picture as 32-bit floats, channels by name.
+struct FloatImage {
+    int width = 0, height = 0;
+    std::vector<std::string> channels;
+    std::vector<float> values;  ///< [height * width * channels.size()]; unsigned integer channels as their value.
+};
+/// Throws     std::runtime_error with the file's name and the reason.
+FloatImage read_picture(const std::filesystem::path& file);
+
+}  // namespace zoe

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/deform/sample.h"
+#include "engine/math/affine.h"
+#include "engine/scene/error.h"
+#include "engine/scene/ids.h"
+#include "engine/scene/image.h"
+#include "engine/scene/material.h"
+#include "engine/scene/mesh.h"
+
+namespace zoe {
+
+/// How a node can move: each class is a special case of the one after it.
+enum class Motion : uint8_t { kStatic, kRigid, kDeforming, kArbitrary };
+inline constexpr int kMotionCount = 4;
+const char* name(Motion motion);  ///< "static", "rigid", "deforming", "arbitrary"
+std::optional<Motion> motion_from_name(std::string_view name);
+
+/// A mesh a frame: the node shows meshes[floor(time * fps)], from the start again after the last where clips loop.
+struct MeshSequence {
+    std::vector<MeshId> meshes;
+    double fps = 24.0;
+};
+
+struct Node {
+    std::string name;
+    NodeId parent = kNone<NodeId>;
+    Trs local;                     ///< Rest pose; unused where `matrix` is set.
+    std::optional<Affine> matrix;  ///< Given as a matrix (never animated: the reader decomposes those).
+    MeshId mesh = kNone<MeshId>;
+    SkinId skin = kNone<SkinId>;
+    CameraId camera = kNone<CameraId>;
+    LightId light = kNone<LightId>;
+    std::vector<float> weights;            ///< Morph weights at rest; empty: the mesh's.
+    std::optional<MeshSequence> sequence;  ///< Replaces `mesh` frame by frame.
+    std::optional<Motion> motion;          ///< Asked for (extras.motion, set_motion).
+    bool is_shown = true;                  ///< False: not part of the chosen scene. Joints may still need it.
+};
+
+struct Skin {
+    std::string name;
+    std::vector<NodeId> joints;
+    std::vector<Affine> joint_from_mesh;  ///< Inverse bind matrices, [joint_count].
+};
+
+enum class ChannelPath : uint8_t { kTranslation, kRotation, kScale, kWeights };
+
+struct AnimationChannel {
+    NodeId node = kNone<NodeId>;
+    ChannelPath path = ChannelPath::kTranslation;
+    uint32_t sampler = 0;  ///< Index into Clip::samplers.
+};
+
+struct Clip {
+    std::string name;
+    std::vector<Sampler> samplers;
+    std::vector<AnimationChannel> channels;
+    double duration_s = 0.0;  ///< The last key's time over all channels.
+};
+
+struct Camera {
+    std::string name;
+    bool is_perspective = true;
+    float yfov = 0.8f;                ///< Radians, whole angle, vertical.
+    float xmag = 1.0f, ymag = 1.0f;   ///< Half width and height of an orthographic view.
+    float aspect = 0.0f;              ///< Width / height; 0: the picture's.
+    float znear = 0.0f, zfar = 0.0f;  ///< zfar 0: infinite. Kept, not used to clip.
+};
+
+enum class LightKind : uint8_t { kDirectional, kPoint, kSpot };
+
+/// KHR_lights_punctual. Shines along the node's -Z.
+struct Light {
+    std::string name;
+    LightKind kind = LightKind::kPoint;
+    glm::vec3 color{1.0f};                             ///< Linear.
+    float intensity = 1.0f;                            ///< Candela (point, spot) or lux (directional).
+    float range = 0.0f;                                ///< Metres; 0: infinite.
+    float inner_cone = 0.0f, outer_cone = 0.7853982f;  ///< Radians from the axis.
+};
+
+/// Which clips play, and how.
+struct Playback {
+    std::vector<ClipId> clips;  ///< Where two drive the same thing, the later one wins.
+    bool is_looping = true;
+};
+
+struct FrameState;  // engine/frame: what `advance` keeps between frames.
+
+/// A scene graph: nodes, what they show, and how they move. Plain arrays; ids are positions in them.
+/// NodeId is the glTF node's index for scenes from files; nodes that the reader adds stand after those.
+class Scene {
+public:
+    Scene() = default;
+    Scene(Scene&&) = default;
+    Scene& operator=(Scene&&) = default;
+
+    std::string file;  ///< Where it came from; empty for scenes made in code.
+    std::vector<Node> nodes;
+    std::vector<Mesh> meshes;
+    std::vector<Skin> skins;
+    std::vector<Clip> clips;
+    std::vector<Camera> cameras;
+    std::vector<Light> lights;
+    std::vector<Material> materials;
+    std::vector<Image> images;
+    Playback playback;  ///< From files: the first clip, looping.
+
+    Node& operator[](NodeId id) { return nodes.at(index(id)); }
+    const Node& operator[](NodeId id) const { return nodes.at(index(id)); }
+    Mesh& operator[](MeshId id) { return meshes.at(index(id)); }
+    const Mesh& operator[](MeshId id) const { return meshes.at(index(id)); }
+
+    /// Adds a node, a mesh, ... and returns its id. Convenience for scenes made in code.
+    NodeId add(Node node);
+    MeshId add(Mesh mesh);
+    MaterialId add(Material material);
+
+    /// Replaces a mesh's triangles; vertex and triangle count may change. Nodes that show it become arbitrary.
+    /// normals    [vertex_count] or empty.
+    /// Throws     SceneError where a corner is not below the vertex count.
+    void write_mesh(MeshId mesh, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                    std::span<const glm::uvec3> corners);
+
+    /// Tells the engine that nodes, clips, skins or materials were changed by hand: the frame state starts anew.
+    void touch() { frame.reset(); }
+
+    /// Parents before children: every node's position in `nodes`, in an order that one loop can follow.
+    /// Throws     SceneError where a parent is missing or nodes form a cycle.
+    std::vector<NodeId> parents_first() const;
+
+    /// Adds a warning, or counts one that was given before.
+    void warn(const std::string& text) { ++warnings_[text]; }
+    const std::map<std::string, uint64_t>& warnings() const { return warnings_; }
+
+    std::shared_ptr<FrameState> frame;  ///< Made by the first `advance`; opaque here.
+
+private:
+    std::map<std::string, uint64_t> warnings_;
+};
+
+/// Checks every cross-reference, count and number of a scene.
+/// Returns    the first broken invariant in words, empty when all hold.
+std::string check(const Scene& scene);
+
+}  // namespace zoe
