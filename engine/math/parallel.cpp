@@ -7,6 +7,7 @@
 #ifdef ZOETROPE_PARALLEL_TBB
 #include <memory>
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #else
@@ -39,16 +40,25 @@ int thread_count() {
 
 namespace {
 
-std::unique_ptr<tbb::task_arena>& arena() {
-    static auto arena = std::make_unique<tbb::task_arena>(configured_thread_count());
-    return arena;
+// An arena holds the threads; the limit lets it have more of them than there are cores without a complaint from TBB.
+struct Threads {
+    explicit Threads(int count)
+        : limit(tbb::global_control::max_allowed_parallelism, std::max(count, default_thread_count())), arena(count) {}
+    tbb::global_control limit;
+    tbb::task_arena arena;
+};
+
+std::unique_ptr<Threads>& threads() {
+    static auto threads = std::make_unique<Threads>(configured_thread_count());
+    return threads;
 }
 
 }  // namespace
 
 void set_thread_count(int count) {
     configured_thread_count() = count > 0 ? count : default_thread_count();
-    arena() = std::make_unique<tbb::task_arena>(configured_thread_count());
+    threads().reset();
+    threads() = std::make_unique<Threads>(configured_thread_count());
 }
 
 void detail::parallel_ranges(size_t begin, size_t end, size_t grain, RangeFunction function, void* context) {
@@ -63,7 +73,7 @@ void detail::parallel_ranges(size_t begin, size_t end, size_t grain, RangeFuncti
         for (size_t range = 0; range < range_count; ++range) run(range);
         return;
     }
-    arena()->execute([&] { tbb::parallel_for(size_t{0}, range_count, run, tbb::simple_partitioner()); });
+    threads()->arena.execute([&] { tbb::parallel_for(size_t{0}, range_count, run, tbb::simple_partitioner()); });
 }
 
 #else

@@ -1,21 +1,24 @@
 #include "engine/math/triangle.h"
 
-#include <cfloat>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include <glm/geometric.hpp>
 
 namespace zoe {
 
 namespace {
 
-// 1 / d, kept finite: for d = 0 a slab is entered at +-huge times the distance to it, and exactly at 0 on it.
-float safe_inverse(float d) {
-    const float inverse = 1.0f / d;
-    return std::isfinite(inverse) ? inverse : std::copysign(FLT_MAX, d);
-}
-
 bool is_finite(const glm::vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Corners on one line, to the last bit. Rounding in sheared space may give such a triangle an area; it has no normal.
+bool has_no_area(const Triangle& triangle) {
+    const glm::dvec3 a(triangle.a);
+    return glm::cross(glm::dvec3(triangle.b) - a, glm::dvec3(triangle.c) - a) == glm::dvec3(0.0);
 }
 
 }  // namespace
@@ -23,7 +26,8 @@ bool is_finite(const glm::vec3& v) {
 RayFrame::RayFrame(const Ray& ray) : origin(ray.origin) {
     const glm::vec3 d = ray.direction;
     const glm::vec3 size = glm::abs(d);
-    inverse_direction = {safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z)};
+    inverse_direction = 1.0f / d;
+    for (int axis = 0; axis < 3; ++axis) is_negative[axis] = std::signbit(d[axis]);
     kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
     kx = kz == 2 ? 0 : kz + 1;
     ky = kx == 2 ? 0 : kx + 1;
@@ -61,12 +65,12 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
     // Divided before they are multiplied: coordinates of 1e18 must not overflow.
     const float weight_a = u / determinant, weight_b = v / determinant, weight_c = w / determinant;
     float t = weight_a * az + weight_b * bz + weight_c * cz;
+    if (!(t >= t_min)) return false;  // Behind: never clamped to the front, where the box may contain the origin.
+    if (!(t >= t_min)) return false;  // Also NaN.
     const Aabb box = bounds(triangle);
-    const float t_box = entry(ray, box.lo, box.hi, t_max);
-    t = t < t_box ? t_box : t;
-    t = t < t_floor ? t_floor : t;
-    if (!(t >= t_min && t <= t_max)) return false;  // Also misses of the box (infinity) and NaN.
-    if (!(t < std::numeric_limits<float>::infinity())) return false;
+    t = std::max({t, t_floor, entry(ray, box.lo, box.hi, t_max)});
+    if (!(t <= t_max && t < std::numeric_limits<float>::infinity())) return false;  // Also where the box is missed.
+    if (has_no_area(triangle)) return false;
     hit->t = t;
     hit->u = weight_b;
     hit->v = weight_c;

@@ -24,7 +24,8 @@ inline Aabb bounds(const Triangle& t) {
 /// What a ray's box and triangle tests share: computed once a ray and space.
 struct RayFrame {
     glm::vec3 origin;
-    glm::vec3 inverse_direction;  ///< Clamped to finite values: 0 * inf never happens.
+    glm::vec3 inverse_direction;  ///< Infinite, with the sign of the zero, where a component is 0.
+    bool is_negative[3];          ///< Sign of each component: which of a slab's planes is entered first.
     float shear_x, shear_y, shear_z;
     int kx, ky, kz;  ///< kz: the axis along which the direction is longest.
     bool is_valid;   ///< False for a zero or non-finite direction or origin: such a ray hits nothing.
@@ -53,12 +54,18 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
 inline constexpr float kBoxPad = 6.0f * 1.1920929e-7f;
 
 inline float entry(const RayFrame& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max) {
-    const glm::vec3 t0 = (lo - ray.origin) * ray.inverse_direction;
-    const glm::vec3 t1 = (hi - ray.origin) * ray.inverse_direction;
-    const glm::vec3 near = glm::min(t0, t1);
-    const glm::vec3 far = glm::max(t0, t1);
-    const float t_in = glm::max(glm::max(near.x, near.y), glm::max(near.z, 0.0f)) * (1.0f - kBoxPad);
-    const float t_out = glm::min(far.x, glm::min(far.y, far.z)) * (1.0f + kBoxPad);
+    float t_in = 0.0f, t_out = std::numeric_limits<float>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+        const float first = ray.is_negative[axis] ? hi[axis] : lo[axis];
+        const float last = ray.is_negative[axis] ? lo[axis] : hi[axis];
+        const float t_first = (first - ray.origin[axis]) * ray.inverse_direction[axis];
+        const float t_last = (last - ray.origin[axis]) * ray.inverse_direction[axis];
+        // 0 * infinity is NaN: a ray that runs in the plane. Comparisons with NaN are false, and the slab does not limit it.
+        t_in = t_first > t_in ? t_first : t_in;
+        t_out = t_last < t_out ? t_last : t_out;
+    }
+    t_in *= 1.0f - kBoxPad;
+    t_out *= 1.0f + kBoxPad;
     return t_in <= t_out && t_in <= t_max ? t_in : std::numeric_limits<float>::infinity();
 }
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/common/open_scene.h"
+#include "engine/render/view.h"
+
+namespace zoe {
+
+/// Where a picture is seen from, whatever its shape and the frame.
+struct ViewChoice {
+    struct LookAt {
+        glm::vec3 eye{0.0f}, target{0.0f};
+        float fov_degrees = 45.0f;
+        friend bool operator==(const LookAt&, const LookAt&) = default;
+    };
+    std::optional<NodeId> camera;   ///< A camera of the scene, else:
+    std::optional<LookAt> look_at;  ///< a place, else:
+    Aabb bounds;                    ///< the box to show whole.
+
+    /// Requires   an `advance` of the scene before, where a camera is chosen.
+    View view(const Scene& scene, float aspect) const;
+};
+
+/// The shown nodes that carry a camera, in the order of the nodes.
+std::vector<NodeId> camera_nodes(const Scene& scene);
+
+/// What a camera node is called: its own name, else its camera's.
+std::string camera_name(const Scene& scene, NodeId node);
+
+/// Finds a camera node by its name or its position among the camera nodes.
+/// Throws     UsageError that lists the cameras.
+NodeId find_camera(const Scene& scene, const std::string& choice);
+
+/// A box that holds the scene at all of several times, by which it is framed when nothing else was chosen.
+/// Advances the scene. An empty scene gives a box of two metres around the origin.
+Aabb bounds_over(Content& content, std::span<const double> times);
+
+/// Nine times that cover what plays, or `otherwise_s` seconds where nothing repeats.
+std::vector<double> times_over_clip(const Scene& scene, double otherwise_s);
+
+}  // namespace zoe

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <atomic>
+#include <stdexcept>
+
+namespace zoe {
+
+/// From now on SIGINT and SIGTERM only set `is_interrupted`; a second one ends the program at once.
+void catch_interrupts();
+/// What long work looks at between its steps; fits RenderConfig::cancel.
+const std::atomic<bool>& is_interrupted();
+
+/// Thrown by long work that stopped because of `is_interrupted`. Programs end with exit code 130 for it.
+class Interrupted : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+}  // namespace zoe

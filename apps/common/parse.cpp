@@ -1,0 +1,70 @@
+#include "apps/common/parse.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/common/usage_error.h"
+
+namespace zoe {
+
+std::optional<int> parse_count(std::string_view text, int max) {
+    int value = 0;
+    const char* const end = text.data() + text.size();
+    if (text.empty() || text[0] < '0' || text[0] > '9') return std::nullopt;  // from_chars takes a sign
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || rest != end || value > max) return std::nullopt;
+    return value;
+}
+
+std::optional<double> parse_number(std::string_view text) {
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || rest != end || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+FrameRange parse_frames(std::string_view text) {
+    constexpr int kMaxFrame = 999'999'999;
+    const size_t dash = text.find('-');
+    const std::optional<int> first = parse_count(text.substr(0, dash), kMaxFrame);
+    const std::optional<int> last = dash == std::string_view::npos ? first : parse_count(text.substr(dash + 1), kMaxFrame);
+    if (!first || !last) throw UsageError(fmt::format("--frames {}: give A-B or one number, such as 0-23", text));
+    if (*last < *first) throw UsageError(fmt::format("--frames {}: the last frame comes before the first", text));
+    return {*first, *last};
+}
+
+PictureSize parse_size(std::string_view text) {
+    const size_t cross = text.find('x');
+    const std::optional<int> width = parse_count(text.substr(0, cross), 1'000'000'000);
+    const std::optional<int> height =
+        cross == std::string_view::npos ? std::nullopt : parse_count(text.substr(cross + 1), 1'000'000'000);
+    if (!width || !height) throw UsageError(fmt::format("--size {}: give WIDTHxHEIGHT in pixels, such as 640x360", text));
+    if (*width == 0 || *height == 0)
+        throw UsageError(fmt::format("--size {}: a picture has at least one pixel each way", text));
+    if (*width > kMaxSide || *height > kMaxSide || int64_t{*width} * *height > kMaxPixels) {
+        throw UsageError(fmt::format("--size {}: too large; at most {} pixels a side and {} in all, for memory's sake", text,
+                                     kMaxSide, kMaxPixels));
+    }
+    return {*width, *height};
+}
+
+glm::vec3 parse_point(std::string_view text, const std::string& option) {
+    glm::vec3 point{0.0f};
+    std::string_view rest = text;
+    for (int axis = 0; axis < 3; ++axis) {
+        const size_t comma = axis < 2 ? rest.find(',') : rest.size();
+        const std::optional<double> value =
+            comma == std::string_view::npos ? std::nullopt : parse_number(rest.substr(0, comma));
+        // Far beyond any scene, squared distances no longer fit a float.
+        if (!value || std::abs(*value) > 1e15)
+            throw UsageError(fmt::format("{} {}: give X,Y,Z in metres, such as 0,1.5,4", option, text));
+        point[axis] = static_cast<float>(*value);
+        if (axis < 2) rest.remove_prefix(comma + 1);
+    }
+    return point;
+}
+
+}  // namespace zoe

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <glm/vec3.hpp>
+
+namespace zoe {
+
+/// Frames first, first + 1, ... last.
+struct FrameRange {
+    int first = 0, last = 0;
+    int count() const { return last - first + 1; }
+};
+
+struct PictureSize {
+    int width = 0, height = 0;
+};
+
+/// More pixels than this are refused: a picture being made takes about 100 bytes a pixel.
+inline constexpr int kMaxPixels = 1 << 25;
+inline constexpr int kMaxSide = 16384;
+
+/// A whole number of digits only, at most `max`.
+std::optional<int> parse_count(std::string_view text, int max);
+/// A decimal number, finite, and nothing after it.
+std::optional<double> parse_number(std::string_view text);
+
+/// "3-7" or "3".
+/// Throws     UsageError that says what is wrong; so do the others below.
+FrameRange parse_frames(std::string_view text);
+/// "640x360".
+PictureSize parse_size(std::string_view text);
+/// "1,2.5,-3". option  Its name, for the message.
+glm::vec3 parse_point(std::string_view text, const std::string& option);
+
+}  // namespace zoe

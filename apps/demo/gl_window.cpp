@@ -1,0 +1,128 @@
+#include "apps/demo/gl_window.h"
+
+#include <cstdlib>
+#include <vector>
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include "apps/common/open_scene.h"
+#include "engine/scene/image.h"
+
+namespace zoe {
+namespace {
+
+bool is_set(const char* variable) {
+    const char* const value = std::getenv(variable);
+    return value && *value;
+}
+
+std::string glfw_reason() {
+    const char* text = nullptr;
+    glfwGetError(&text);
+    return one_line(text ? text : "no reason given");
+}
+
+void save_screenshot(int width, int height, const std::filesystem::path& file) {
+    const size_t row_size = size_t{4} * width;
+    std::vector<uint8_t> bottom_up(row_size * height), top_down(row_size * height);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.data());
+    for (int y = 0; y < height; ++y) {
+        for (size_t i = 0; i < row_size; ++i) {
+            top_down[y * row_size + i] = i % 4 == 3 ? 255 : bottom_up[(height - 1 - y) * row_size + i];
+        }
+    }
+    write_png(file, width, height, top_down);
+}
+
+}  // namespace
+
+GlWindow::GlWindow(const std::string& title, PictureSize size) {
+    if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY")) throw NoWindow("no display");
+    if (!glfwInit()) throw NoWindow(glfw_reason());
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 0);
+    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+    if (!window_) {
+        const std::string reason = glfw_reason();
+        glfwTerminate();
+        throw NoWindow(reason);
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwSetTime(0.0);
+
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;  // the window leaves no files behind
+    float scale_x = 1.0f, scale_y = 1.0f;
+    glfwGetWindowContentScale(window_, &scale_x, &scale_y);
+    io.FontGlobalScale = scale_y;
+    ImGui::StyleColorsDark();
+    ImGui::GetStyle().ScaleAllSizes(scale_y);
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplOpenGL3_Init("#version 130");
+
+    glGenTextures(1, &texture_);
+    glBindTexture(GL_TEXTURE_2D, texture_);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+GlWindow::~GlWindow() {
+    glDeleteTextures(1, &texture_);
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+}
+
+bool GlWindow::is_closing() const {
+    return glfwWindowShouldClose(window_);
+}
+
+void GlWindow::close() {
+    glfwSetWindowShouldClose(window_, GLFW_TRUE);
+}
+
+double GlWindow::seconds() const {
+    return glfwGetTime();
+}
+
+void GlWindow::wake() {
+    glfwPostEmptyEvent();
+}
+
+void GlWindow::begin_frame(double wait_s) {
+    glfwWaitEventsTimeout(wait_s);
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+}
+
+void GlWindow::end_frame(const std::filesystem::path& screenshot) {
+    ImGui::Render();
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    glViewport(0, 0, width, height);
+    glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    if (!screenshot.empty() && width > 0 && height > 0) save_screenshot(width, height, screenshot);
+    glfwSwapBuffers(window_);
+}
+
+void GlWindow::set_texture(int width, int height, const uint8_t* rgba) {
+    glBindTexture(GL_TEXTURE_2D, texture_);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+}  // namespace zoe

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "apps/common/parse.h"
+
+struct GLFWwindow;
+
+namespace zoe {
+
+/// There is no display, or it cannot show OpenGL; says why.
+class NoWindow : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// A window with OpenGL, Dear ImGui on it, and one texture that holds a picture. One at a time, on the main thread.
+class GlWindow {
+public:
+    /// Throws     NoWindow.
+    GlWindow(const std::string& title, PictureSize size);
+    ~GlWindow();
+    GlWindow(const GlWindow&) = delete;
+    GlWindow& operator=(const GlWindow&) = delete;
+
+    bool is_closing() const;
+    void close();
+    double seconds() const;  ///< Since the window was made.
+
+    /// Waits for input, `wake`, or the time; then starts the interface's next frame.
+    void begin_frame(double wait_s);
+    /// Draws what was put on the interface.
+    /// screenshot  Where to save it as a PNG file, unless empty.
+    void end_frame(const std::filesystem::path& screenshot);
+
+    /// Ends the wait of `begin_frame`; from any thread.
+    static void wake();
+
+    /// rgba       [height * width * 4], top row first.
+    void set_texture(int width, int height, const uint8_t* rgba);
+    unsigned texture() const { return texture_; }
+
+private:
+    GLFWwindow* window_ = nullptr;
+    unsigned texture_ = 0;
+};
+
+}  // namespace zoe

@@ -1,0 +1,154 @@
+#include "apps/demo/headless.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "apps/common/contact_sheet.h"
+#include "apps/common/interrupt.h"
+#include "apps/common/mp4.h"
+#include "apps/common/progress.h"
+#include "apps/common/stats_json.h"
+#include "apps/common/trace_events.h"
+#include "apps/common/write_file.h"
+#include "apps/demo/first_view.h"
+#include "engine/render/film.h"
+
+namespace zoe {
+namespace {
+
+using Clock = TraceEvents::Clock;
+
+constexpr PictureSize kDefaultSize{640, 360};
+constexpr int kDefaultSpp = 8;
+/// Samples between two looks at the clock and at interrupts.
+constexpr int kSamplesAPass = 4;
+
+double ms_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+struct Run {
+    std::vector<std::filesystem::path> pictures;  ///< All of the range, in order.
+    int skipped_count = 0;
+    RunStats stats;
+    TraceEvents events;
+};
+
+/// Advances to the frame and traces it. Returns what it did.
+FrameStats make_frame(Content& content, const Options& options, const ViewChoice& view_choice, int frame, Film* film,
+                      Run* run, const std::function<void(double)>& report) {
+    FrameStats stats;
+    const Clock::time_point advance_begin = Clock::now();
+    const Tlas& tlas = advance(content, frame / options.fps, &stats);
+    run->events.add_stages(advance_begin, stats, frame);
+    if (run->stats.threads == 0) run->stats = describe_run(options.scene, content.scene, tlas);
+
+    const View view = view_choice.view(content.scene, float(film->width) / float(film->height));
+    const int spp = options.spp.value_or(kDefaultSpp);
+    RenderConfig config;
+    config.shade = options.shade;
+    config.is_jittered = spp > 1;
+    config.cancel = &is_interrupted();
+    film->clear();
+    const Clock::time_point trace_begin = Clock::now();
+    for (int done = 0; done < spp; done += kSamplesAPass) {
+        const int sample_count = std::min(kSamplesAPass, spp - done);
+        if (!render(content.scene, tlas, view, config, sample_count, film, &stats)) throw Interrupted("interrupted");
+        report(double(done + sample_count) / spp);
+    }
+    run->events.add("trace", trace_begin, ms_since(trace_begin), frame);
+    return stats;
+}
+
+void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
+    const PictureSize size = options.size.value_or(kDefaultSize);
+    Film film(size.width, size.height);
+    std::vector<int> missing;
+    std::error_code error;
+    for (int frame = options.frames.first; frame <= options.frames.last; ++frame) {
+        run->pictures.push_back(options.out(frame));
+        const bool is_skipped = options.is_resumed && std::filesystem::exists(run->pictures.back(), error);
+        if (!is_skipped) missing.push_back(frame);
+    }
+    run->skipped_count = options.frames.count() - static_cast<int>(missing.size());
+
+    Progress progress("rendering", static_cast<double>(missing.size()));
+    for (size_t i = 0; i < missing.size(); ++i) {
+        const int frame = missing[i];
+        const auto report = [&](double share) {
+            progress.update(static_cast<double>(i) + share, fmt::format("frame {}", frame));
+        };
+        if (is_interrupted()) throw Interrupted("interrupted");
+        const FrameStats stats = make_frame(content, options, view_choice, frame, &film, run, report);
+        const Clock::time_point write_begin = Clock::now();
+        write_film(film, options.out(frame));
+        run->events.add("write", write_begin, ms_since(write_begin), frame);
+        run->stats.frames.push_back({frame, stats});
+    }
+}
+
+void print_stages(const RunStats& run) {
+    const auto line = [&](const char* stage, auto value) {
+        fmt::print("  {:<12}{:>12.3f}\n", stage, median(run.frames, value));
+    };
+    fmt::print("median ms a frame ({} frames, {} threads)\n", run.frames.size(), run.threads);
+    line("animate", [](const FrameStats& s) { return s.animate_ms; });
+    line("deform", [](const FrameStats& s) { return s.deform_ms; });
+    line("update_blas", [](const FrameStats& s) { return s.update_blas_ms; });
+    line("build_tlas", [](const FrameStats& s) { return s.build_tlas_ms; });
+    line("trace", [](const FrameStats& s) { return s.trace_ms; });
+    line("frame", [](const FrameStats& s) { return s.frame_ms(); });
+    fmt::print("nodes: ");
+    for (int i = 0; i < kMotionCount; ++i)
+        fmt::print("{}{} {}", i ? ", " : "", run.node_count[i], name(static_cast<Motion>(i)));
+    fmt::print("; median a frame: {} kept, {} refitted, {} rebuilt\n",
+               median(run.frames, [](const FrameStats& s) { return s.kept; }),
+               median(run.frames, [](const FrameStats& s) { return s.refitted; }),
+               median(run.frames, [](const FrameStats& s) { return s.rebuilt; }));
+}
+
+void write_overviews(const Options& options, const Run& run) {
+    const std::filesystem::path sheet = options.out.folder() / "contact_sheet.png",
+                                film = options.out.folder() / "animation.mp4";
+    write_contact_sheet(run.pictures, sheet);
+    fmt::print("contact sheet  {}\n", sheet.native());
+    const std::string reason = write_mp4(run.pictures, options.fps, film);
+    if (reason.empty()) {
+        fmt::print("film           {}\n", film.native());
+    } else {
+        fmt::print(stderr, "zoetrope-demo: warning: no film was made: {}\n", one_line(reason));
+    }
+}
+
+}  // namespace
+
+void run_headless(Content& content, const Options& options) {
+    const ViewChoice view_choice = first_view(content, options);
+    content.scene.touch();  // framing may have advanced the scene; the first frame's price is still to be seen
+    make_folder(options.out.folder());
+    if (options.stats) require_writable(*options.stats);
+    if (options.trace) require_writable(*options.trace);
+    Run run;
+    try {
+        make_frames(content, options, view_choice, &run);
+        fmt::print("{:<15}{}", fmt::format("{} picture{}", run.pictures.size(), run.pictures.size() > 1 ? "s" : ""),
+                   run.pictures.front().native());
+        if (run.pictures.size() > 1) fmt::print(" ... {}", run.pictures.back().filename().native());
+        fmt::print("{}\n", run.skipped_count > 0 ? fmt::format(" ({} were there already)", run.skipped_count) : "");
+        std::fflush(stdout);
+        if (run.pictures.size() > 1) write_overviews(options, run);
+    } catch (const Interrupted&) {
+        throw Interrupted(fmt::format("interrupted; the pictures in {} are whole, and --resume goes on after them",
+                                      options.out.folder().native()));
+    }
+    if (options.stats && run.stats.frames.empty()) {  // every picture was there already
+        run.stats =
+            describe_run(options.scene, content.scene, advance(content, options.frames.first / options.fps, nullptr));
+    }
+    if (options.stats) write_file(*options.stats, stats_json(run.stats));
+    if (options.trace) run.events.write(*options.trace);
+    if (!run.stats.frames.empty()) print_stages(run.stats);
+}
+
+}  // namespace zoe

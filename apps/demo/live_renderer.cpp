@@ -1,0 +1,160 @@
+#include "apps/demo/live_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace zoe {
+namespace {
+
+/// What a first picture may take, in ms: fifteen a second.
+constexpr double kBudgetMs = 66.0;
+constexpr double kLeastTraceMs = 15.0;
+constexpr int kFirstDivisor = 4, kMaxDivisor = 12;
+
+}  // namespace
+
+LiveRenderer::LiveRenderer(Content& content, int max_samples, std::function<void()> on_picture)
+    : content_(content), max_samples_(max_samples), on_picture_(std::move(on_picture)) {
+    thread_ = std::thread([this] { loop(); });
+}
+
+LiveRenderer::~LiveRenderer() {
+    {
+        const std::lock_guard lock(mutex_);
+        is_stopping_ = true;
+        cancel_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+}
+
+void LiveRenderer::ask(const LiveRequest& request) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (request_ == request) return;
+        request_ = request;
+        // A first pass is short and is shown even so: while the mouse moves, pictures must keep coming.
+        if (is_refining_) cancel_ = true;
+    }
+    changed_.notify_one();
+}
+
+bool LiveRenderer::take(LivePicture* picture) {
+    const std::lock_guard lock(mutex_);
+    if (error_) std::rethrow_exception(error_);
+    if (!newest_) return false;
+    *picture = std::move(*newest_);
+    newest_.reset();
+    return true;
+}
+
+void LiveRenderer::loop() {
+    try {
+        work();
+    } catch (...) {
+        const std::lock_guard lock(mutex_);
+        error_ = std::current_exception();
+    }
+    on_picture_();
+}
+
+void LiveRenderer::work() {
+    const auto is_restart = [&](const LiveRequest& request) {
+        LiveRequest same_mode = request;
+        same_mode.is_playing = shown_.is_playing;  // pausing leaves the picture as it is
+        return !is_shown_ || same_mode != shown_;
+    };
+    const auto can_refine = [&](const LiveRequest& request) {
+        return !request.is_playing && (divisor_ > 1 || film_.sample_count < max_samples_);
+    };
+    while (true) {
+        LiveRequest request;
+        {
+            std::unique_lock lock(mutex_);
+            is_refining_ = false;
+            const auto has_work = [&] {
+                return is_stopping_ || (request_ && request_->width > 0 && request_->height > 0 &&
+                                        (is_restart(*request_) || can_refine(*request_)));
+            };
+            changed_.wait(lock, has_work);
+            if (is_stopping_) return;
+            request = *request_;
+            is_refining_ = !is_restart(request);
+            cancel_ = false;
+        }
+        const bool restarts = is_restart(request);
+        if (restarts) advance_if_needed(request);
+        if (restarts || divisor_ > 1) start_film(request, restarts);
+        shown_ = request;
+        is_shown_ = true;
+        if (pass(request)) on_picture_();
+    }
+}
+
+void LiveRenderer::advance_if_needed(const LiveRequest& request) {
+    if (is_shown_ && request.time_s == shown_.time_s && request.clips == shown_.clips &&
+        request.is_looping == shown_.is_looping) {
+        return;
+    }
+    content_.scene.playback.is_looping = request.is_looping;
+    content_.scene.playback.clips = request.clips;
+    frame_stats_ = {};
+    tlas_ = &advance(content_, request.time_s, &frame_stats_);
+    is_new_frame_ = true;
+}
+
+void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
+    if (is_restart) {
+        const double budget_ms = std::max(kBudgetMs - frame_stats_.frame_ms(), kLeastTraceMs);
+        const double full_ms = ms_a_pixel_ * request.width * request.height;
+        divisor_ = full_ms > 0.0
+                       ? static_cast<int>(std::clamp(std::ceil(std::sqrt(full_ms / budget_ms)), 1.0, double(kMaxDivisor)))
+                       : kFirstDivisor;
+    } else {
+        divisor_ /= 2;
+    }
+    const int width = std::max(1, request.width / divisor_), height = std::max(1, request.height / divisor_);
+    if (film_.width == width && film_.height == height) {
+        film_.clear();
+    } else {
+        film_ = Film(width, height);
+    }
+}
+
+bool LiveRenderer::pass(const LiveRequest& request) {
+    ViewChoice choice;
+    choice.camera = request.camera;
+    choice.look_at = request.look_at;
+    const View view = choice.view(content_.scene, float(request.width) / float(request.height));
+
+    RenderConfig config;
+    config.shade = request.shade;
+    config.cancel = &cancel_;
+    FrameStats stats = frame_stats_;
+    const auto begin = std::chrono::steady_clock::now();
+    if (!render(content_.scene, *tlas_, view, config, 1, &film_, &stats)) return false;
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    const double ms_a_pixel = ms / (double(film_.width) * film_.height);
+    ms_a_pixel_ = ms_a_pixel_ > 0.0 ? 0.7 * ms_a_pixel_ + 0.3 * ms_a_pixel : ms_a_pixel;
+
+    LivePicture picture;
+    picture.width = film_.width;
+    picture.height = film_.height;
+    picture.rgba = to_rgba8(film_);
+    picture.time_s = request.time_s;
+    picture.sample_count = film_.sample_count;
+    picture.stats = stats;
+    picture.view = view;
+    picture.bounds = tlas_->bounds();
+    picture.is_new_frame = is_new_frame_;
+    picture.is_finished = divisor_ == 1 && film_.sample_count >= max_samples_;
+    is_new_frame_ = false;
+
+    const std::lock_guard lock(mutex_);
+    if (newest_ && newest_->is_new_frame) picture.is_new_frame = true;  // it was never taken
+    newest_ = std::move(picture);
+    return true;
+}
+
+}  // namespace zoe

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "apps/common/choose_view.h"
+#include "engine/render/path.h"
+
+namespace zoe {
+
+/// What the interface wants to see.
+struct LiveRequest {
+    double time_s = 0.0;
+    std::vector<ClipId> clips;
+    bool is_looping = true;
+    Shade shade = Shade::kPath;
+    std::optional<NodeId> camera;  ///< Else `look_at`.
+    ViewChoice::LookAt look_at;
+    int width = 0, height = 0;  ///< Of the picture on the screen.
+    bool is_playing = false;    ///< The next request has another time: one pass at a size that keeps up.
+
+    friend bool operator==(const LiveRequest&, const LiveRequest&) = default;
+};
+
+/// What the render thread has to show.
+struct LivePicture {
+    int width = 0, height = 0;
+    std::vector<uint8_t> rgba;  ///< [height * width * 4], top row first.
+    double time_s = 0.0;
+    int sample_count = 0;
+    bool is_new_frame = false;  ///< The scene was advanced for it.
+    FrameStats stats;           ///< Of the frame's `advance` and of this picture's last pass.
+    View view;
+    Aabb bounds;
+    bool is_finished = false;  ///< Nothing more will be done to it.
+};
+
+/// Renders on its own thread, so that the interface never waits. A new frame or edit is first shown at a size that takes
+/// about a fifteenth of a second, then, while nothing changes, finer and finer up to one sample a pixel, and from then on
+/// samples accumulate.
+class LiveRenderer {
+public:
+    /// content     Its scene belongs to the thread until this ends.
+    /// on_picture  Called on the render thread whenever `take` has something new.
+    LiveRenderer(Content& content, int max_samples, std::function<void()> on_picture);
+    ~LiveRenderer();
+    LiveRenderer(const LiveRenderer&) = delete;
+    LiveRenderer& operator=(const LiveRenderer&) = delete;
+
+    /// Asks for a picture; work on an older request is left when this one differs.
+    void ask(const LiveRequest& request);
+
+    /// Moves the newest picture, if there is one that was not taken before.
+    /// Throws     what the render thread has thrown.
+    bool take(LivePicture* picture);
+
+private:
+    void loop();
+    void work();
+    void advance_if_needed(const LiveRequest& request);
+    void start_film(const LiveRequest& request, bool is_restart);
+    bool pass(const LiveRequest& request);
+
+    // Shared, guarded by the mutex but for the two atomics.
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<LiveRequest> request_;
+    std::optional<LivePicture> newest_;
+    std::exception_ptr error_;
+    bool is_stopping_ = false;
+    bool is_refining_ = false;         ///< A pass is running that may be left at any time.
+    std::atomic<bool> cancel_{false};  ///< Leave the running pass.
+
+    // The render thread's own.
+    Content& content_;
+    const int max_samples_;
+    std::function<void()> on_picture_;
+    LiveRequest shown_;  ///< What the film holds.
+    bool is_shown_ = false;
+    const Tlas* tlas_ = nullptr;
+    FrameStats frame_stats_;  ///< Of the last `advance`.
+    bool is_new_frame_ = false;
+    Film film_;
+    int divisor_ = 1;          ///< The film's sides are the picture's, divided by this.
+    double ms_a_pixel_ = 0.0;  ///< Of one sample, smoothed; 0: unknown.
+    std::thread thread_;       ///< Last: it uses all of the above.
+};
+
+}  // namespace zoe

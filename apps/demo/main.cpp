@@ -1,0 +1,62 @@
+#include <cstdio>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "apps/common/interrupt.h"
+#include "apps/common/open_scene.h"
+#include "apps/common/usage_error.h"
+#include "apps/demo/headless.h"
+#include "apps/demo/options.h"
+#include "apps/demo/window.h"
+
+namespace {
+
+constexpr const char* kProgram = "zoetrope-demo";
+
+int fail(int exit_code, const std::string& message) {
+    fmt::print(stderr, "{}: {}\n", kProgram, zoe::one_line(message));
+    return exit_code;
+}
+
+void run(const zoe::Options& options) {
+    zoe::set_thread_count(options.threads);
+    zoe::Content content = zoe::open_scene(options.scene, options.fps);
+    content.scene.playback.is_looping = options.is_looping;
+    if (options.clip) zoe::choose_clips(content.scene, *options.clip);
+    std::vector<std::string> printed;
+    zoe::print_warnings(kProgram, content.scene, &printed);
+
+    bool is_headless = options.is_headless;
+    if (!is_headless) {
+        try {
+            zoe::run_window(content, options);
+        } catch (const zoe::NoWindow& error) {
+            fmt::print("no window ({}): rendering into {}\n", error.what(), options.out.folder().native());
+            std::fflush(stdout);
+            is_headless = true;
+        }
+    }
+    if (is_headless) zoe::run_headless(content, options);
+    zoe::print_warnings(kProgram, content.scene, &printed);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const std::optional<zoe::Options> options = zoe::parse_options(argc, argv);
+        if (!options) return 0;
+        zoe::catch_interrupts();
+        run(*options);
+        return 0;
+    } catch (const zoe::UsageError& error) {
+        return fail(2, error.what());
+    } catch (const zoe::Interrupted& error) {
+        return fail(130, error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(1, "out of memory");
+    } catch (const std::exception& error) {
+        return fail(1, error.what());
+    }
+}

@@ -1,0 +1,167 @@
+#include "apps/demo/options.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "apps/common/open_scene.h"
+#include "apps/common/usage_error.h"
+
+namespace zoe {
+namespace {
+
+/// Options whose text is checked after all of them were read.
+struct Texts {
+    std::string frames, eye, target, size, shade, out;
+};
+
+struct Flags {
+    bool loops = false, stays = false;
+};
+
+std::string footer() {
+    std::string text =
+        "Examples:\n"
+        "  zoetrope-demo                                  the project's own scene, in a window\n"
+        "  zoetrope-demo fox.glb --clip Run               one clip of a file\n"
+        "  zoetrope-demo fox.glb --headless --frames 0-71 three seconds as pictures in out/\n"
+        "  zoetrope-demo --shade motion                   how each node moves: its motion class\n"
+        "  zoetrope-demo --out out/f_%04d.exr --spp 64    EXR layers: colour, depth, node and triangle\n"
+        "  zoetrope-demo 'wave_%04d.glb'                  a mesh a frame\n\n"
+        "Scenes made by this project:\n";
+    for (const ContentInfo& info : content_list()) text += fmt::format("  {:<16} {}\n", info.name, info.description);
+    text +=
+        "\nIn the window, F1 shows the keys. Without a display the demo runs headless.\n"
+        "Exit codes: 0 done, 1 the scene or a file is at fault, 2 the command line is, 130 interrupted.";
+    return text;
+}
+
+void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
+    app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that a script's can be overridden
+    app.add_option("SCENE", options.scene,
+                   "A .glb or .gltf file, a mesh sequence (wave_%04d.glb), or a name from the list below")
+        ->type_name("")
+        ->capture_default_str();
+
+    const char* const what = "What plays";
+    app.add_option("--clip", options.clip, "The clip that plays (the first, unless told), or all at once")
+        ->type_name("NAME|INDEX|all")
+        ->group(what);
+    app.add_flag("--loop", flags.loops, "At their end, clips start again (so unless told) ...")->group(what);
+    app.add_flag("--no-loop", flags.stays, "... or stay as they are")->group(what);
+    app.add_option("--fps", options.fps, "Frames a second: frame N is the scene at N / fps seconds")
+        ->type_name("N")
+        ->capture_default_str()
+        ->group(what);
+
+    const char* const seen = "How it is seen";
+    app.add_option("--camera", options.camera, "A camera of the file (the first, unless told)")
+        ->type_name("NAME|INDEX")
+        ->group(seen);
+    app.add_option("--eye", texts.eye, "Look from here, +Y up, ...")->type_name("X,Y,Z")->group(seen);
+    app.add_option("--target", texts.target, "... at this point, ...")->type_name("X,Y,Z")->group(seen);
+    app.add_option("--fov", options.fov_degrees, "... with this vertical field of view (45)")->type_name("DEG")->group(seen);
+    app.add_option("--shade", texts.shade,
+                   "path: lit; albedo: colours; normal; motion: the classes; cost: work of each pixel")
+        ->type_name("path|albedo|normal|motion|cost")
+        ->group(seen);
+    app.add_option("--size", texts.size, "Of the picture (640x360) or the window (1280x720)")->type_name("WxH")->group(seen);
+    app.add_option("--spp", options.spp,
+                   "Samples a pixel (8; in the window, when to stop refining); 1: through pixel centres")
+        ->type_name("N")
+        ->group(seen);
+
+    const char* const pictures = "Pictures instead of a window (each of these implies --headless)";
+    app.add_flag("--headless", options.is_headless, "Write pictures, a contact sheet, and a film where ffmpeg is installed")
+        ->group(pictures);
+    app.add_option("--frames", texts.frames, "From frame A to B, both included, or one frame (0-47)")
+        ->type_name("A-B")
+        ->group(pictures);
+    app.add_option("--out", texts.out, "Pictures' names, .png or .exr (out/frame_%04d.png)")
+        ->type_name("PATTERN")
+        ->group(pictures);
+    app.add_flag("--resume", options.is_resumed, "Skip pictures that are there already")->group(pictures);
+    app.add_option("--stats", options.stats, "Times and counts of every frame, as JSON")->type_name("FILE")->group(pictures);
+    app.add_option("--trace", options.trace, "Chrome trace events of every stage (chrome://tracing)")
+        ->type_name("FILE")
+        ->group(pictures);
+
+    const char* const rest = "Rest";
+    app.add_option("--threads", options.threads, "Threads to use; 0: all")
+        ->type_name("N")
+        ->capture_default_str()
+        ->group(rest);
+    app.add_option("--screenshot", options.screenshot, "Save the window as a PNG file, then close it ...")
+        ->type_name("FILE")
+        ->group(rest);
+    app.add_option("--after", options.screenshot_after_s, "... after this many seconds")
+        ->type_name("SECONDS")
+        ->capture_default_str()
+        ->group(rest);
+    app.set_help_flag("-h,--help", "This text")->group(rest);
+}
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw UsageError(message);
+}
+
+void check_view(const CLI::App& app, Options& options, const Texts& texts) {
+    if (app.count("--eye")) options.eye = parse_point(texts.eye, "--eye");
+    if (app.count("--target")) options.target = parse_point(texts.target, "--target");
+    require(app.count("--eye") == app.count("--target"), "--eye and --target go together");
+    require(!options.eye || !options.camera, "--eye and --camera: give one of them");
+    require(!options.eye || *options.eye != *options.target, "--eye and --target are the same point");
+    require(!options.fov_degrees || options.eye.has_value(), "--fov goes with --eye and --target");
+    require(!options.fov_degrees || (*options.fov_degrees > 0.0f && *options.fov_degrees < 180.0f),
+            "--fov: an angle between 0 and 180 degrees");
+}
+
+void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
+    if (app.count("--frames")) options.frames = parse_frames(texts.frames);
+    if (app.count("--out")) options.out = NumberedPath(texts.out);
+    const std::string extension = options.out.extension();
+    require(extension == ".png" || extension == ".exr", fmt::format("--out {}: the name ends in .png or .exr", texts.out));
+    require(options.frames.count() == 1 || options.out.has_number(),
+            fmt::format("--out {}: several frames need a number in the name, such as frame_%04d.png", texts.out));
+    for (const char* const name : {"--frames", "--out", "--resume", "--stats", "--trace"}) {
+        if (app.count(name)) options.is_headless = true;
+    }
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, char** argv) {
+    CLI::App app("Plays an animated scene by tracing rays, in a window or into pictures.", "zoetrope-demo");
+    Options options;
+    Texts texts;
+    Flags flags;
+    add_options(app, options, texts, flags);
+    app.footer(footer());
+    app.get_formatter()->column_width(38);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        fmt::print("{}", app.help());
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(fmt::format("{}; --help lists the options", error.what()));
+    }
+
+    require(!flags.loops || !flags.stays, "--loop and --no-loop: give one of them");
+    options.is_looping = !flags.stays;
+    if (app.count("--size")) options.size = parse_size(texts.size);
+    if (app.count("--shade")) {
+        const std::optional<Shade> shade = shade_from_name(texts.shade);
+        require(shade.has_value(), fmt::format("--shade {}: one of path, albedo, normal, motion, cost", texts.shade));
+        options.shade = *shade;
+    }
+    require(options.fps >= 0.001 && options.fps <= 100000.0, "--fps: a number from 0.001 to 100000");  // NaN fails
+    require(!options.spp || (*options.spp >= 1 && *options.spp <= 65536), "--spp: a number from 1 to 65536");
+    require(options.threads >= 0 && options.threads <= 1024, "--threads: a number from 0 (all) to 1024");
+    require(options.screenshot_after_s >= 0.0 && options.screenshot_after_s <= 3600.0, "--after: a number from 0 to 3600");
+    check_view(app, options, texts);
+    check_pictures(app, options, texts);
+    require(!options.screenshot || !options.is_headless, "--screenshot is of the window; it does not go with --headless");
+    return options;
+}
+
+}  // namespace zoe

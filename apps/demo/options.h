@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/common/numbered_path.h"
+#include "apps/common/parse.h"
+#include "engine/render/path.h"
+
+namespace zoe {
+
+/// What the command line asks for, checked as far as it can be without the scene.
+struct Options {
+    std::string scene = "default";
+    bool is_headless = false;
+
+    FrameRange frames{0, 47};
+    double fps = 24.0;
+    std::optional<std::string> clip;
+    bool is_looping = true;
+
+    std::optional<std::string> camera;
+    std::optional<glm::vec3> eye, target;
+    std::optional<float> fov_degrees;
+
+    std::optional<PictureSize> size;
+    std::optional<int> spp;
+    Shade shade = Shade::kPath;
+
+    NumberedPath out{"out/frame_%04d.png"};
+    std::optional<std::string> stats, trace;  ///< Files to write.
+    bool is_resumed = false;
+    int threads = 0;
+
+    std::optional<std::string> screenshot;  ///< Of the window, then it closes.
+    double screenshot_after_s = 2.0;
+};
+
+/// Reads the command line; `--help` prints and returns nothing.
+/// Throws     UsageError.
+std::optional<Options> parse_options(int argc, char** argv);
+
+}  // namespace zoe

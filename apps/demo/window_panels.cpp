@@ -1,0 +1,201 @@
+#include "apps/demo/window_panels.h"
+
+#include <cstdint>
+#include <cstdio>
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+namespace zoe {
+namespace {
+
+constexpr const char* kShadeNames[] = {"path", "albedo", "normal", "motion", "cost"};
+constexpr int kShadeCount = 5;
+
+constexpr const char* kKeys[][2] = {
+    {"left drag", "orbit"},
+    {"middle drag, shift + drag", "pan"},
+    {"wheel", "zoom"},
+    {"space", "play, pause"},
+    {"left, right", "one frame back, on"},
+    {"home", "to the start"},
+    {"1 to 5", "shade: path, albedo, normal, motion, cost"},
+    {"C", "next camera"},
+    {"R", "the first view again"},
+    {"F1", "these keys"},
+    {"escape", "close"},
+};
+
+void next_camera(WindowState& state) {
+    if (state.camera + 1 < static_cast<int>(state.cameras.size())) {
+        ++state.camera;
+    } else {
+        state.free_camera();
+    }
+}
+
+void use_keys(WindowState& state) {
+    if (ImGui::GetIO().WantTextInput) return;
+    if (ImGui::IsKeyPressed(GLFW_KEY_SPACE, false)) state.is_playing = !state.is_playing;
+    if (ImGui::IsKeyPressed(GLFW_KEY_LEFT)) state.step(-1);
+    if (ImGui::IsKeyPressed(GLFW_KEY_RIGHT)) state.step(1);
+    if (ImGui::IsKeyPressed(GLFW_KEY_HOME, false)) state.time_s = 0.0;
+    if (ImGui::IsKeyPressed(GLFW_KEY_C, false)) next_camera(state);
+    if (ImGui::IsKeyPressed(GLFW_KEY_F1, false)) state.is_help_shown = !state.is_help_shown;
+    if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) state.is_closing = true;
+    if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) {
+        state.orbit = state.first_orbit;
+        state.camera = -1;
+    }
+    for (int i = 0; i < kShadeCount; ++i) {
+        if (ImGui::IsKeyPressed(GLFW_KEY_1 + i, false)) state.shade = static_cast<Shade>(i);
+    }
+}
+
+/// Orbit, pan and zoom, with the mouse over the picture.
+void use_mouse(WindowState& state) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const float height = static_cast<float>(state.picture_height);
+    const bool is_turning = ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1.0f) && !io.KeyShift;
+    const bool is_panning = ImGui::IsItemActive() && (ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 1.0f) ||
+                                                      (ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1.0f) && io.KeyShift));
+    const bool has_moved = io.MouseDelta.x != 0.0f || io.MouseDelta.y != 0.0f;
+    if ((is_turning || is_panning) && has_moved) {
+        state.free_camera();
+        if (is_turning) state.orbit.turn(io.MouseDelta.x, io.MouseDelta.y, height);
+        if (is_panning) state.orbit.pan(io.MouseDelta.x, io.MouseDelta.y, height);
+    }
+    if (ImGui::IsItemHovered() && io.MouseWheel != 0.0f) {
+        state.free_camera();
+        state.orbit.zoom(io.MouseWheel);
+    }
+}
+
+void draw_picture(WindowState& state, const ImVec2& size) {
+    state.picture_width = static_cast<int>(size.x);
+    state.picture_height = static_cast<int>(size.y);
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::InvisibleButton("picture", size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonMiddle);
+    use_mouse(state);
+    if (state.picture.width > 0) {
+        ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(state.texture)), corner,
+                                             {corner.x + size.x, corner.y + size.y});
+    }
+}
+
+void draw_choices(WindowState& state) {
+    ImGui::TextUnformatted("clip");
+    ImGui::SetNextItemWidth(-1.0f);
+    if (ImGui::BeginCombo("##clip", state.clips[state.clip].name.c_str())) {
+        for (size_t i = 0; i < state.clips.size(); ++i) {
+            ImGui::PushID(static_cast<int>(i));
+            if (ImGui::Selectable(state.clips[i].name.c_str(), i == state.clip)) {
+                state.clip = i;
+                state.time_s = 0.0;
+            }
+            ImGui::PopID();
+        }
+        ImGui::EndCombo();
+    }
+    ImGui::TextUnformatted("camera");
+    ImGui::SetNextItemWidth(-1.0f);
+    if (ImGui::BeginCombo("##camera", state.camera < 0 ? "free" : state.cameras[state.camera].name.c_str())) {
+        if (ImGui::Selectable("free", state.camera < 0)) state.free_camera();
+        for (int i = 0; i < static_cast<int>(state.cameras.size()); ++i) {
+            ImGui::PushID(i);
+            if (ImGui::Selectable(state.cameras[i].name.c_str(), i == state.camera)) state.camera = i;
+            ImGui::PopID();
+        }
+        ImGui::EndCombo();
+    }
+    ImGui::TextUnformatted("shade");
+    ImGui::SetNextItemWidth(-1.0f);
+    int shade = static_cast<int>(state.shade);
+    if (ImGui::Combo("##shade", &shade, kShadeNames, kShadeCount)) state.shade = static_cast<Shade>(shade);
+}
+
+void draw_counts(const WindowState& state) {
+    const LivePicture& picture = state.picture;
+    const FrameStats& stats = picture.stats;
+    ImGui::Text("kept %u  refitted %u  rebuilt %u", stats.kept, stats.refitted, stats.rebuilt);
+    for (int i = 0; i < kMotionCount; ++i) ImGui::Text("%-10s %8u nodes", name(static_cast<Motion>(i)), state.node_count[i]);
+    ImGui::Text("triangles  %8llu", static_cast<unsigned long long>(state.triangle_count));
+    ImGui::Separator();
+    const double rays_a_second = stats.trace_ms > 0.0 ? double(stats.rays) / stats.trace_ms / 1000.0 : 0.0;
+    ImGui::Text("picture    %dx%d of %dx%d", picture.width, picture.height, state.picture_width, state.picture_height);
+    ImGui::Text("samples    %d%s", picture.sample_count, picture.is_finished ? ", done" : "");
+    ImGui::Text("rays       %.2f million a second", rays_a_second);
+    ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second : 0.0);
+}
+
+void draw_timeline(WindowState& state) {
+    const double end_s = state.clips[state.clip].duration_s;
+    if (ImGui::Button(state.is_playing ? "pause" : "play", {5.0f * ImGui::GetFontSize(), 0.0f}))
+        state.is_playing = !state.is_playing;
+    ImGui::SameLine();
+    ImGui::Checkbox("loop", &state.is_looping);
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1.0f);
+    float time_s = static_cast<float>(state.time_s);
+    char format[64];
+    std::snprintf(format, sizeof format, "%%.2f of %.2f s, frame %d", end_s, static_cast<int>(state.time_s * state.fps));
+    if (ImGui::SliderFloat("##time", &time_s, 0.0f, static_cast<float>(end_s), format, ImGuiSliderFlags_NoInput)) {
+        state.time_s = time_s;
+        state.is_playing = false;
+    }
+}
+
+void draw_help(WindowState& state) {
+    const ImGuiViewport* const viewport = ImGui::GetMainViewport();
+    ImGui::SetNextWindowPos(viewport->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
+    if (ImGui::Begin("keys", &state.is_help_shown, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
+        if (ImGui::BeginTable("keys", 2)) {
+            for (const auto& [key, what] : kKeys) {
+                ImGui::TableNextRow();
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(key);
+                ImGui::TableNextColumn();
+                ImGui::TextUnformatted(what);
+            }
+            ImGui::EndTable();
+        }
+    }
+    ImGui::End();
+}
+
+}  // namespace
+
+void draw_panels(WindowState& state) {
+    use_keys(state);
+    const ImGuiViewport* const viewport = ImGui::GetMainViewport();
+    const float font = ImGui::GetFontSize();
+    const float panel_width = 20.0f * font, timeline_height = ImGui::GetFrameHeightWithSpacing();
+    ImGui::SetNextWindowPos(viewport->Pos);
+    ImGui::SetNextWindowSize(viewport->Size);
+    ImGui::Begin("zoetrope", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                     ImGuiWindowFlags_NoNavInputs);
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const float gap = ImGui::GetStyle().ItemSpacing.x;
+    const ImVec2 picture_size(std::max(1.0f, room.x - panel_width - gap), std::max(1.0f, room.y - timeline_height));
+
+    ImGui::BeginGroup();
+    draw_picture(state, picture_size);
+    ImGui::EndGroup();
+    ImGui::SameLine();
+    ImGui::BeginChild("panel", {panel_width, picture_size.y});
+    ImGui::TextUnformatted(state.scene_name.c_str());
+    ImGui::TextDisabled("F1 shows the keys");
+    ImGui::Separator();
+    draw_choices(state);
+    ImGui::Separator();
+    draw_stage_graph(state.history);
+    ImGui::Separator();
+    draw_counts(state);
+    ImGui::EndChild();
+    draw_timeline(state);
+    ImGui::End();
+    if (state.is_help_shown) draw_help(state);
+}
+
+}  // namespace zoe

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "apps/demo/window_state.h"
+
+namespace zoe {
+
+/// Puts the whole interface on the window: the picture, the panel beside it, the timeline under it, and the keys. Changes
+/// the state as the user does. Never waits.
+void draw_panels(WindowState& state);
+
+/// The five stage times of the latest frames as lines, on a logarithmic scale, and the newest as numbers.
+void draw_stage_graph(const std::deque<FrameStats>& history);
+
+}  // namespace zoe

@@ -1,0 +1,90 @@
+#include "apps/demo/window_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/common/stats_json.h"
+
+namespace zoe {
+namespace {
+
+/// How long the timeline is for scenes in which nothing repeats.
+constexpr double kOpenEndS = 10.0;
+
+}  // namespace
+
+LiveRequest WindowState::request() const {
+    LiveRequest request;
+    request.time_s = time_s;
+    request.clips = clips[clip].clips;
+    request.is_looping = is_looping;
+    request.shade = shade;
+    if (camera >= 0) request.camera = cameras[camera].node;
+    request.look_at = orbit.look_at();
+    request.width = picture_width;
+    request.height = picture_height;
+    request.is_playing = is_playing;
+    return request;
+}
+
+void WindowState::play(double elapsed_s) {
+    if (!is_playing) return;
+    const double end_s = clips[clip].duration_s;
+    time_s += elapsed_s;
+    if (time_s < end_s) return;
+    if (is_looping) {
+        time_s = std::fmod(time_s, end_s);
+    } else {
+        time_s = end_s;
+        is_playing = false;
+    }
+}
+
+void WindowState::step(int frame_count) {
+    is_playing = false;
+    const double frame = std::round(time_s * fps) + frame_count;
+    time_s = std::clamp(frame / fps, 0.0, clips[clip].duration_s);
+}
+
+void WindowState::free_camera() {
+    if (camera >= 0 && picture.width > 0) orbit = orbit_from_view(picture.view, picture.bounds);
+    camera = -1;
+}
+
+WindowState make_window_state(const std::string& name, const Scene& scene, const Tlas& tlas) {
+    WindowState state;
+    state.scene_name = one_line(name);
+    const RunStats run = describe_run(name, scene, tlas);
+    state.node_count = run.node_count;
+    state.triangle_count = run.triangle_count;
+    state.is_looping = scene.playback.is_looping;
+
+    // Whatever no clip moves (sequences, written meshes) plays beside each of them.
+    std::vector<ClipId> all;
+    for (uint32_t i = 0; i < scene.clips.size(); ++i) {
+        const std::string& clip_name = scene.clips[i].name;
+        state.clips.push_back({clip_name.empty() ? fmt::format("clip {}", i) : one_line(clip_name), {ClipId{i}}, 0.0});
+        all.push_back(ClipId{i});
+    }
+    if (all.size() != 1) state.clips.push_back({all.empty() ? "no clips" : "all", all, 0.0});
+    const auto plays_now = [&](const WindowState::ClipChoice& choice) { return choice.clips == scene.playback.clips; };
+    auto chosen = std::find_if(state.clips.begin(), state.clips.end(), plays_now);
+    if (chosen == state.clips.end()) {
+        chosen = state.clips.insert(state.clips.begin(), {"as the scene says", scene.playback.clips, 0.0});
+    }
+    state.clip = static_cast<size_t>(chosen - state.clips.begin());
+
+    for (WindowState::ClipChoice& choice : state.clips) {
+        choice.duration_s = duration_s(scene, choice.clips);
+        if (choice.duration_s <= 0.0) choice.duration_s = kOpenEndS;
+    }
+    for (const NodeId node : camera_nodes(scene)) {
+        const std::string camera = camera_name(scene, node);
+        state.cameras.push_back({camera.empty() ? fmt::format("camera {}", state.cameras.size()) : one_line(camera), node});
+    }
+    return state;
+}
+
+}  // namespace zoe

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "apps/demo/live_renderer.h"
+#include "apps/demo/orbit.h"
+
+namespace zoe {
+
+/// What the interface shows and what it lets the user choose. The scene itself belongs to the render thread.
+struct WindowState {
+    struct ClipChoice {
+        std::string name;
+        std::vector<ClipId> clips;
+        double duration_s = 0.0;
+    };
+    struct CameraChoice {
+        std::string name;
+        NodeId node = kNone<NodeId>;
+    };
+    static constexpr size_t kHistorySize = 180;
+
+    std::string scene_name;
+    std::vector<ClipChoice> clips;      ///< At least one.
+    std::vector<CameraChoice> cameras;  ///< Of the file.
+    std::array<uint32_t, kMotionCount> node_count{};
+    uint64_t triangle_count = 0;
+    double fps = 24.0;
+
+    size_t clip = 0;
+    int camera = -1;  ///< -1: the free one.
+    Orbit orbit, first_orbit;
+    Shade shade = Shade::kPath;
+    double time_s = 0.0;
+    bool is_playing = true, is_looping = true, is_help_shown = false, is_closing = false;
+    int picture_width = 0, picture_height = 0;  ///< Of the place for it in the window.
+
+    LivePicture picture;
+    unsigned texture = 0;
+    std::deque<FrameStats> history;  ///< Of the latest frames.
+    double frames_a_second = 0.0;    ///< Smoothed, of new pictures.
+
+    LiveRequest request() const;
+    /// Moves the time on, as the clip's end says.
+    void play(double elapsed_s);
+    /// Steps by whole frames, and pauses.
+    void step(int frame_count);
+    /// Makes the free camera see what is seen now.
+    void free_camera();
+};
+
+/// Asks the scene for the lists.
+/// Requires   an `advance` of the scene before.
+WindowState make_window_state(const std::string& name, const Scene& scene, const Tlas& tlas);
+
+}  // namespace zoe

@@ -1,0 +1,52 @@
+#include <cmath>
+#include <numbers>
+
+#include "content/scenes.h"
+#include "content/shapes.h"
+
+namespace zoe {
+
+Clip& loop_of(Scene& scene) {
+    if (scene.clips.empty()) {
+        scene.clips.push_back({.name = "loop", .samplers = {}, .channels = {}, .duration_s = kLoop_s});
+        scene.playback.clips = {ClipId{0}};
+    }
+    return scene.clips.front();
+}
+
+uint32_t add_sampler(Scene& scene, Sampler sampler) {
+    Clip& clip = loop_of(scene);
+    clip.samplers.push_back(std::move(sampler));
+    return static_cast<uint32_t>(clip.samplers.size() - 1);
+}
+
+void add_channel(Scene& scene, NodeId node, ChannelPath path, uint32_t sampler) {
+    loop_of(scene).channels.push_back({node, path, sampler});
+}
+
+Sampler spin(const glm::vec3& axis, int turns, float degrees) {
+    Sampler sampler{.is_rotation = true, .width = 4};
+    const int keys = 4 * std::abs(turns);  // A quarter turn apart: the short way is the right way.
+    for (int k = 0; k <= keys; ++k) {
+        const double share = static_cast<double>(k) / keys;
+        const double half = std::numbers::pi * (degrees / 360.0 + turns * share);
+        const glm::vec3 v = static_cast<float>(std::sin(half)) * axis;
+        sampler.times_s.push_back(static_cast<float>(kLoop_s * share));
+        sampler.values.insert(sampler.values.end(), {v.x, v.y, v.z, static_cast<float>(std::cos(half))});
+    }
+    return sampler;
+}
+
+MaterialId add_color(Scene& scene, const char* name, uint32_t srgb_hex) {
+    Material material;
+    material.name = name;
+    material.base_color = glm::vec4(srgb(srgb_hex), 1.0f);
+    material.is_double_sided = true;
+    return scene.add(material);
+}
+
+void set_material(Mesh& mesh, MaterialId material) {
+    mesh.materials = {{0, static_cast<uint32_t>(mesh.corners.size()), material}};
+}
+
+}  // namespace zoe

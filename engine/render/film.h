@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+namespace zoe {
+
+/// A picture in the making. All arrays [height * width], top row first. Everything but `sum` is of the pixel's first sample.
+struct Film {
+    int width = 0, height = 0;
+    int sample_count = 0;        ///< Samples so far, the same for every pixel.
+    std::vector<glm::vec4> sum;  ///< Linear radiance, sky included, and coverage: 1 where a surface was hit. Over samples.
+    std::vector<float> depth;    ///< Metres along the camera's axis; +infinity on a miss.
+    std::vector<uint32_t> node, primitive;  ///< 0xffffffff on a miss.
+
+    Film() = default;
+    Film(int width, int height);
+    /// Back to no samples.
+    void clear();
+    glm::vec4 pixel(int x, int y) const;  ///< Mean of the samples.
+};
+
+/// 8 bits a channel, tone mapped (linear up to a shoulder, then towards white) and sRGB encoded; [height * width * 4].
+/// Opaque: the sky is part of the picture.
+std::vector<uint8_t> to_rgba8(const Film& film, float exposure = 1.0f);
+
+/// Writes a film by the file's extension: .png as `to_rgba8`, or .exr with the layers R G B A, depth.Z, node.id,
+/// primitive.id. To a temporary name, then renamed.
+/// Throws     std::runtime_error with the file's name and the reason.
+void write_film(const Film& film, const std::filesystem::path& file, float exposure = 1.0f);
+
+}  // namespace zoe

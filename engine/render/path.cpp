@@ -1,0 +1,110 @@
+#include "engine/render/path.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+
+#include "engine/math/parallel.h"
+#include "engine/render/tile.h"
+
+namespace zoe {
+
+namespace {
+
+constexpr int kTileWidth = 32, kTileHeight = 8;  // 256 paths: enough to fill a batch, few enough to stay in the cache
+
+/// Kept by each thread that calls `render`, so that a frame allocates nothing once sizes have settled.
+struct Workspace {
+    Film film;
+    Lighting lighting;
+    std::vector<TileStats> stats;  // [tile_count]
+};
+
+/// Copies what the samples add to. The layers of the first sample are written by it and need no copy.
+void copy_sums(const Film& film, Film* copy) {
+    copy->width = film.width;
+    copy->height = film.height;
+    copy->sum = film.sum;
+    if (film.sample_count > 0) return;
+    copy->depth = film.depth;
+    copy->node = film.node;
+    copy->primitive = film.primitive;
+}
+
+void add(const FrameStats::Kind& from, FrameStats::Kind* to) {
+    to->rays += from.rays;
+    to->ms += from.ms / thread_count();
+}
+
+/// Sums in order of the tiles, so that counts do not depend on threads.
+void add_stats(std::span<const TileStats> tiles, double trace_ms, FrameStats* stats) {
+    for (const TileStats& tile : tiles) {
+        add(tile.primary, &stats->primary);
+        add(tile.diffuse, &stats->diffuse);
+        add(tile.shadow, &stats->shadow);
+        stats->rays += tile.primary.rays + tile.diffuse.rays + tile.shadow.rays;
+        stats->hits += tile.hits;
+        stats->hits_hash += tile.hits_hash;
+    }
+    stats->trace_ms += trace_ms;
+}
+
+}  // namespace
+
+std::optional<Shade> shade_from_name(std::string_view name) {
+    if (name == "path") return Shade::kPath;
+    if (name == "albedo") return Shade::kAlbedo;
+    if (name == "normal") return Shade::kNormal;
+    if (name == "motion") return Shade::kMotion;
+    if (name == "cost") return Shade::kCost;
+    return std::nullopt;
+}
+
+bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,
+            FrameStats* stats) {
+    assert(film != nullptr && film->width > 0 && film->height > 0 && sample_count >= 0 && config.max_bounces >= 0);
+    const auto start = std::chrono::steady_clock::now();
+    static thread_local Workspace workspace;
+    copy_sums(*film, &workspace.film);
+    gather_lights(scene, config, &workspace.lighting);
+    const auto lets_light_pass = [](const Material& material) { return material.alpha_mode != AlphaMode::kOpaque; };
+    const Pass pass{.scene = scene,
+                    .tlas = tlas,
+                    .view = view,
+                    .config = config,
+                    .lighting = workspace.lighting,
+                    .has_alpha = std::any_of(scene.materials.begin(), scene.materials.end(), lets_light_pass),
+                    .first_sample = film->sample_count,
+                    .sample_count = sample_count};
+
+    const int tiles_across = (film->width + kTileWidth - 1) / kTileWidth;
+    const int tiles_down = (film->height + kTileHeight - 1) / kTileHeight;
+    const size_t tile_count = static_cast<size_t>(tiles_across) * static_cast<size_t>(tiles_down);
+    workspace.stats.assign(tile_count, {});
+    Film* const working = &workspace.film;
+    TileStats* const tile_stats = workspace.stats.data();
+    std::atomic<bool> is_cancelled = false;
+    parallel_for(0, tile_count, 1, [&](size_t begin, size_t end) {
+        static thread_local TileTracer tracer;
+        for (size_t i = begin; i < end && !is_cancelled; ++i) {
+            const int x = static_cast<int>(i % static_cast<size_t>(tiles_across)) * kTileWidth;
+            const int y = static_cast<int>(i / static_cast<size_t>(tiles_across)) * kTileHeight;
+            const Tile tile{x, y, std::min(x + kTileWidth, film->width), std::min(y + kTileHeight, film->height)};
+            if (!tracer.trace(pass, tile, working, &tile_stats[i])) is_cancelled = true;
+        }
+    });
+    if (is_cancelled) return false;
+
+    std::swap(film->sum, working->sum);
+    if (film->sample_count == 0 && sample_count > 0) {
+        std::swap(film->depth, working->depth);
+        std::swap(film->node, working->node);
+        std::swap(film->primitive, working->primitive);
+    }
+    film->sample_count += sample_count;
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+    if (stats != nullptr) add_stats(workspace.stats, elapsed.count(), stats);
+    return true;
+}
+
+}  // namespace zoe

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "engine/frame/frame.h"
+#include "engine/render/film.h"
+#include "engine/render/view.h"
+
+namespace zoe {
+
+/// What a pixel shows: the lit picture, the surface's colour, its normal, its motion class, or the work of its ray.
+enum class Shade : uint8_t { kPath, kAlbedo, kNormal, kMotion, kCost };
+std::optional<Shade> shade_from_name(std::string_view name);
+
+struct RenderConfig {
+    Shade shade = Shade::kPath;
+    int max_bounces = 4;                        ///< Diffuse bounces after the first hit.
+    float sun_strength = 1.0f;                  ///< Times the default sun; 0 for none.
+    float sky_strength = 1.0f;                  ///< Times the default sky; 0 for a black one.
+    std::optional<glm::vec3> uniform_sky;       ///< Radiance of a sky of one colour, and no sun: a furnace.
+    bool is_jittered = true;                    ///< False (what `--spp 1` means): rays through pixel centres.
+    const std::atomic<bool>* cancel = nullptr;  ///< Set by another thread to leave early; the film is then not changed.
+};
+
+/// Traces `sample_count` more samples a pixel into the film, in parallel over tiles. Numbers are keyed by pixel, sample and
+/// dimension: passes may be split anywhere, and threads do not matter.
+///
+/// The light: a sky seen by every ray that leaves the scene, a sun that camera rays see and shadow rays sample, emissive
+/// surfaces where a path meets them, and punctual lights by shadow rays. Every surface is diffuse and shows both sides.
+/// Sky and sun are there whatever lights the scene has. Alpha blends by chance, shadows by the exact share.
+/// stats      added to; may be null. rays: all of them; hits: closest hits that hit, and shadow rays that were blocked;
+///            hits_hash: over the closest hits, keyed by pixel, sample, bounce and see-through surfaces passed.
+/// Returns    false where it was cancelled.
+bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,
+            FrameStats* stats);
+
+}  // namespace zoe

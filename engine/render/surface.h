@@ -1,0 +1,33 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "engine/frame/trace.h"
+
+namespace zoe {
+
+/// What a ray finds where it hits: world space, unit normals that face the ray.
+struct Surface {
+    glm::vec3 position{0.0f};
+    glm::vec3 error{0.0f};           ///< The true surface, and the one that rays see, are within +-error of `position`.
+    glm::vec3 ng{0.0f, 0.0f, 1.0f};  ///< Geometric normal.
+    glm::vec3 ns{0.0f, 0.0f, 1.0f};  ///< Shading normal, above the surface; interpolated where the mesh has normals.
+    glm::vec3 base_color{1.0f};      ///< Linear, in [0, 1]: factor times texture times vertex colour.
+    glm::vec3 emission{0.0f};        ///< Radiance.
+    float opacity = 1.0f;            ///< Share of light that does not pass; 0 or 1 for alpha masks.
+    bool is_unlit = false;           ///< Shows its base colour, whatever the light.
+};
+
+/// The surface under a hit. Both sides of a triangle are shown, whether or not its material says double sided. Metals are
+/// treated as diffuse: the base colour is the albedo.
+/// Requires   hit, and that the ray is the one that hit.
+Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit);
+
+/// An origin for a ray that leaves a surface in a direction: outside by more than all rounding that separates `position`
+/// from the triangle as the ray will see it, so that the ray cannot hit what it leaves.
+/// Source     Pharr, Jakob, Humphreys. Physically Based Rendering, 3rd ed., section 3.9. Deviation: bounds also cover the
+/// way
+///            back into the instance's space and the triangle test.
+glm::vec3 leave(const Surface& surface, const glm::vec3& direction);
+
+}  // namespace zoe

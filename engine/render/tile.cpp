@@ -1,0 +1,302 @@
+#include "engine/render/tile.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "engine/render/bsdf.h"
+#include "engine/render/direction.h"
+#include "engine/render/inspect.h"
+
+namespace zoe {
+
+namespace {
+
+constexpr uint32_t kMaxPassThrough = 1024;  // see-through surfaces in a row; what lies behind so many is taken as dark
+constexpr uint32_t kShadowHash = 0x80000000u;
+constexpr uint32_t kRouletteFromBounce = 2;
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Tells apart the rays of a frame: `which` counts bounces, and see-through surfaces within them.
+uint64_t hash_key(const SampleKey& key, uint64_t which) {
+    return mix_bits(mix_bits(static_cast<uint64_t>(key.pixel) << 32 | key.sample) + which);
+}
+
+uint64_t ray_number(uint32_t bounce, uint32_t pass_through) {
+    return static_cast<uint64_t>(bounce) << 16 | pass_through;
+}
+
+}  // namespace
+
+void TileTracer::Rays::clear() {
+    rays.clear();
+    paths.clear();
+}
+
+void TileTracer::Rays::push(const Ray& ray, uint32_t path) {
+    rays.push_back(ray);
+    paths.push_back(path);
+}
+
+void TileTracer::Shadows::clear() {
+    Rays::clear();
+    radiance.clear();
+}
+
+void TileTracer::Shadows::push(const Ray& ray, uint32_t path, const glm::vec3& brings) {
+    Rays::push(ray, path);
+    radiance.push_back(brings);
+}
+
+bool TileTracer::trace(const Pass& pass, const Tile& tile, Film* film, TileStats* stats) {
+    pass_ = &pass;
+    film_ = film;
+    stats_ = stats;
+    for (int i = 0; i < pass.sample_count; ++i) {
+        if (pass.config.cancel != nullptr && pass.config.cancel->load(std::memory_order_relaxed)) return false;
+        start_paths(tile, static_cast<uint32_t>(pass.first_sample + i));
+        if (pass.config.shade == Shade::kCost) {
+            trace_cost();
+        } else {
+            const bool is_lit = pass.config.shade == Shade::kPath;
+            const uint32_t last_bounce = is_lit ? static_cast<uint32_t>(pass.config.max_bounces) : 0;
+            for (uint32_t bounce = 0; bounce <= last_bounce && !current_.rays.empty(); ++bounce) trace_bounce(bounce);
+        }
+        for (const Path& path : paths_) film->sum[path.pixel] += glm::vec4(path.radiance, path.coverage);
+    }
+    return true;
+}
+
+void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
+    const int width = film_->width, height = film_->height;
+    paths_.clear();
+    current_.clear();
+    for (int y = tile.y_begin; y < tile.y_end; ++y) {
+        for (int x = tile.x_begin; x < tile.x_end; ++x) {
+            const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(width) + static_cast<uint32_t>(x);
+            const SampleKey key{pixel, sample};
+            glm::vec2 within(0.5f);
+            if (pass_->config.is_jittered) within = uniform_2d(key, dimension(Use::kPixel, 0));
+            const Ray ray =
+                camera_ray(pass_->view, static_cast<float>(x) + within.x, static_cast<float>(y) + within.y, width, height);
+            current_.push(ray, static_cast<uint32_t>(paths_.size()));
+            paths_.push_back({.key = key, .pixel = pixel});
+            if (sample == 0) {
+                film_->depth[pixel] = std::numeric_limits<float>::infinity();
+                film_->node[pixel] = film_->primitive[pixel] = 0xffffffffu;
+            }
+        }
+    }
+}
+
+void TileTracer::trace_cost() {
+    const Clock::time_point start = Clock::now();
+    hits_.resize(current_.rays.size());
+    for (size_t i = 0; i < current_.rays.size(); ++i) {
+        TraverseCounts counts;
+        hits_[i] = closest_hit(pass_->tlas, current_.rays[i], &counts);
+        paths_[current_.paths[i]].radiance = cost_color(counts.nodes + counts.triangles);
+    }
+    stats_->primary.ms += ms_since(start);
+    stats_->primary.rays += current_.rays.size();
+    for (size_t i = 0; i < current_.rays.size(); ++i) {
+        Path& path = paths_[current_.paths[i]];
+        stats_->hits += hits_[i] ? 1 : 0;
+        stats_->hits_hash += hash(hits_[i], hash_key(path.key, 0));
+        if (!hits_[i]) continue;
+        path.coverage = 1.0f;
+        record_first_hit(path, surface_at(pass_->scene, pass_->tlas, current_.rays[i], hits_[i]).position, hits_[i]);
+    }
+}
+
+/// One bounce of every path that is still under way: finds what its ray meets, lights it, and makes the next ray.
+void TileTracer::trace_bounce(uint32_t bounce) {
+    next_.clear();
+    shadows_.clear();
+    FrameStats::Kind* const kind = bounce == 0 ? &stats_->primary : &stats_->diffuse;
+    for (uint32_t pass_through = 0; !current_.rays.empty() && pass_through < kMaxPassThrough; ++pass_through) {
+        find_closest(current_, bounce, pass_through, kind);
+        passing_.clear();
+        shade_hits(bounce, pass_through);
+        std::swap(current_, passing_);
+    }
+    trace_shadows(bounce);
+    std::swap(current_, next_);
+}
+
+void TileTracer::find_closest(const Rays& batch, uint32_t which, uint32_t pass_through, FrameStats::Kind* kind) {
+    hits_.resize(batch.rays.size());
+    const Clock::time_point start = Clock::now();
+    closest_hits(pass_->tlas, batch.rays, hits_);
+    kind->ms += ms_since(start);
+    kind->rays += batch.rays.size();
+    for (size_t i = 0; i < hits_.size(); ++i) {
+        stats_->hits += hits_[i] ? 1 : 0;
+        stats_->hits_hash += hash(hits_[i], hash_key(paths_[batch.paths[i]].key, ray_number(which, pass_through)));
+    }
+}
+
+void TileTracer::shade_hits(uint32_t bounce, uint32_t pass_through) {
+    for (size_t i = 0; i < current_.rays.size(); ++i) {
+        const Ray& ray = current_.rays[i];
+        const uint32_t path_index = current_.paths[i];
+        Path& path = paths_[path_index];
+        if (!hits_[i]) {
+            if (pass_->config.shade != Shade::kPath) continue;
+            // Diffuse bounces don't see the sun's disc: shadow rays bring its light.
+            const Lighting& lighting = pass_->lighting;
+            path.radiance +=
+                path.throughput * (bounce == 0 ? lighting.background(ray.direction) : lighting.sky(ray.direction));
+            continue;
+        }
+        const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
+        if (surface.opacity < 1.0f) {
+            const float u = uniform_1d(path.key, dimension(Use::kAlpha, bounce, pass_through));
+            if (u >= surface.opacity) {
+                passing_.push({.origin = leave(surface, ray.direction), .direction = ray.direction}, path_index);
+                continue;
+            }
+        }
+        shade_hit(surface, ray, hits_[i], path_index, bounce);
+    }
+}
+
+void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hit, uint32_t path_index, uint32_t bounce) {
+    Path& path = paths_[path_index];
+    if (bounce == 0) {
+        path.coverage = 1.0f;
+        record_first_hit(path, surface.position, hit);
+        if (pass_->config.shade != Shade::kPath) {
+            path.radiance = inspect(pass_->config.shade, surface, pass_->tlas[hit.node].motion, -ray.direction);
+            return;
+        }
+    }
+    path.radiance += path.throughput * surface.emission;
+    if (surface.is_unlit) {
+        path.radiance += path.throughput * surface.base_color;
+        return;
+    }
+    path.throughput *= surface.base_color;
+    if (largest(path.throughput) <= 0.0f) return;
+    add_sun(surface, path_index, bounce);
+    add_punctual_light(surface, path_index, bounce);
+    if (bounce < static_cast<uint32_t>(pass_->config.max_bounces)) bounce_on(surface, path_index, bounce);
+}
+
+void TileTracer::record_first_hit(const Path& path, const glm::vec3& position, const Hit& hit) {
+    if (path.key.sample != 0) return;
+    film_->depth[path.pixel] = depth(pass_->view, position);
+    film_->node[path.pixel] = index(hit.node);
+    film_->primitive[path.pixel] = hit.primitive;
+}
+
+void TileTracer::add_sun(const Surface& surface, uint32_t path_index, uint32_t bounce) {
+    const glm::vec3& irradiance = pass_->lighting.sun_irradiance;
+    if (irradiance == glm::vec3(0.0f)) return;
+    const glm::vec3 toward = sample_sun(uniform_2d(paths_[path_index].key, dimension(Use::kSun, bounce)));
+    const float share = diffuse(surface.ns, surface.ng, toward);
+    add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index, irradiance * share);
+}
+
+/// Picks one light with a probability proportional to what it would bring unshadowed: a single light brings its exact
+/// value, and many cost one ray.
+void TileTracer::add_punctual_light(const Surface& surface, uint32_t path_index, uint32_t bounce) {
+    const auto& lights = pass_->lighting.lights;
+    const auto brings = [&](const PunctualLight& light, glm::vec3* toward) {
+        const Illumination at = illuminate(light, surface.position);
+        *toward = at.toward;
+        return at.irradiance * diffuse(surface.ns, surface.ng, at.toward);
+    };
+    glm::vec3 toward;
+    float total = 0.0f;
+    for (const PunctualLight& light : lights) total += largest(brings(light, &toward));
+    if (!(total > 0.0f) || !std::isfinite(total)) return;
+
+    float left = total * uniform_1d(paths_[path_index].key, dimension(Use::kLight, bounce));
+    const PunctualLight* chosen = nullptr;
+    for (const PunctualLight& light : lights) {
+        const float weight = largest(brings(light, &toward));
+        if (!(weight > 0.0f)) continue;
+        chosen = &light;  // The last that brings anything stands in for what rounding leaves over.
+        left -= weight;
+        if (left < 0.0f) break;
+    }
+    const glm::vec3 radiance = brings(*chosen, &toward);
+    Ray ray{.origin = leave(surface, toward), .direction = toward};
+    if (chosen->kind != LightKind::kDirectional) {
+        ray.direction = chosen->position - ray.origin;
+        ray.t_max = 1.0f - 0x1p-20f;  // What holds the light at its very place does not shade it.
+    }
+    add_shadow(surface, ray, path_index, radiance * (total / largest(radiance)));
+}
+
+void TileTracer::add_shadow(const Surface& surface, const Ray& ray, uint32_t path_index, const glm::vec3& radiance) {
+    // Beyond the offset the light may turn out to be on the other side: then the surface itself is in the way.
+    if (!(largest(radiance) > 0.0f) || !(glm::dot(surface.ng, ray.direction) > 0.0f)) return;
+    shadows_.push(ray, path_index, paths_[path_index].throughput * radiance);
+}
+
+void TileTracer::bounce_on(const Surface& surface, uint32_t path_index, uint32_t bounce) {
+    Path& path = paths_[path_index];
+    if (bounce >= kRouletteFromBounce) {
+        // Dim paths end early; those that go on carry the light of those that did not.
+        const float survival = std::min(1.0f, largest(path.throughput));
+        if (uniform_1d(path.key, dimension(Use::kRoulette, bounce)) >= survival) return;
+        path.throughput /= survival;
+    }
+    const glm::vec2 u = uniform_2d(path.key, dimension(Use::kDirection, bounce));
+    const glm::vec3 direction = sample_diffuse(surface.ns, surface.ng, u);
+    next_.push({.origin = leave(surface, direction), .direction = direction}, path_index);
+}
+
+void TileTracer::trace_shadows(uint32_t bounce) {
+    if (shadows_.rays.empty()) return;
+    is_hit_.resize(shadows_.rays.size());
+    const Clock::time_point start = Clock::now();
+    any_hits(pass_->tlas, shadows_.rays, is_hit_);
+    stats_->shadow.ms += ms_since(start);
+    stats_->shadow.rays += shadows_.rays.size();
+    behind_.clear();
+    for (size_t i = 0; i < is_hit_.size(); ++i) {
+        if (is_hit_[i] == 0) {
+            paths_[shadows_.paths[i]].radiance += shadows_.radiance[i];
+        } else {
+            ++stats_->hits;
+            if (pass_->has_alpha) behind_.push(shadows_.rays[i], shadows_.paths[i], shadows_.radiance[i]);
+        }
+    }
+    if (!behind_.rays.empty()) look_through_shadows(bounce);
+}
+
+/// Follows the shadow rays that met something, surface by surface: each lets pass what its opacity leaves.
+void TileTracer::look_through_shadows(uint32_t bounce) {
+    for (uint32_t pass_through = 0; !behind_.rays.empty() && pass_through < kMaxPassThrough; ++pass_through) {
+        find_closest(behind_, kShadowHash | bounce, pass_through, &stats_->shadow);
+        shadows_.clear();
+        for (size_t i = 0; i < hits_.size(); ++i) {
+            const Ray& ray = behind_.rays[i];
+            const glm::vec3& radiance = behind_.radiance[i];
+            if (!hits_[i]) {
+                paths_[behind_.paths[i]].radiance += radiance;
+                continue;
+            }
+            const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
+            if (surface.opacity >= 1.0f) continue;
+            const Ray onward{.origin = leave(surface, ray.direction),
+                             .direction = ray.direction,
+                             .t_max = std::max(0.0f, ray.t_max - hits_[i].t)};
+            shadows_.push(onward, behind_.paths[i], radiance * (1.0f - surface.opacity));
+        }
+        std::swap(behind_, shadows_);
+    }
+}
+
+}  // namespace zoe

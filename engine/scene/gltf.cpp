@@ -1,0 +1,38 @@
+#include "engine/scene/gltf.h"
+
+#include "engine/scene/gltf_animation.h"
+#include "engine/scene/gltf_file.h"
+#include "engine/scene/gltf_material.h"
+#include "engine/scene/gltf_mesh.h"
+#include "engine/scene/gltf_node.h"
+#include "engine/scene/gltf_skin.h"
+#include "engine/scene/gltf_view.h"
+
+namespace zoe {
+
+Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
+    Scene scene;
+    scene.file = path.string();
+    GltfFile file = open_gltf(path, scene);
+    scene.materials = read_materials(file, scene);
+    scene.images = read_images(file, options.load_images, scene);
+    for (size_t i = 0; i < file.model.meshes.size(); ++i) {
+        scene.meshes.push_back(read_mesh(file, i, scene));
+        normalize_weights(scene.meshes.back(), scene);
+    }
+    scene.skins = read_skins(file, scene);
+    scene.cameras = read_cameras(file, scene);
+    scene.lights = read_lights(file, scene);
+    read_nodes(file, options, scene);
+    check_skin_use(file, scene);
+    scene.clips = read_clips(file, scene);
+    decompose_animated(scene);
+    add_instances(file, scene);
+    if (!scene.clips.empty()) scene.playback.clips = {ClipId{0}};
+
+    const std::string broken = check(scene);
+    if (!broken.empty()) throw SceneError(scene.file, "", broken);
+    return scene;
+}
+
+}  // namespace zoe

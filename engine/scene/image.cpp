@@ -1,0 +1,230 @@
+#include "engine/scene/image.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "engine/scene/png_check.h"
+
+namespace zoe {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMaxSide = 16384;
+
+/// OpenImageIO's name of the format, told by the first bytes. (Asked by a file name, it looks for the file.)
+const char* format_of(std::span<const std::byte> bytes) {
+    const auto begins = [&](std::string_view magic, size_t at = 0) {
+        return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+    };
+    if (begins("\x89PNG")) return "png";
+    if (begins("\xff\xd8\xff")) return "jpeg";
+    if (begins("RIFF") && begins("WEBP", 8)) return "webp";
+    if (begins("\x76\x2f\x31\x01")) return "openexr";
+    if (begins("#?")) return "hdr";
+    if (begins("GIF8")) return "gif";
+    if (begins("BM")) return "bmp";
+    return nullptr;
+}
+
+std::string one_line(std::string text) {
+    for (char& c : text) {
+        if (c == '\n' || c == '\r') c = ' ';
+    }
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text;
+}
+
+/// Repeats grey, and adds opaque alpha, where pixels have less than 4 channels.
+std::vector<uint8_t> to_rgba(const std::vector<uint8_t>& from, size_t pixel_count, size_t channel_count) {
+    std::vector<uint8_t> rgba(pixel_count * 4, 255);
+    const bool is_grey = channel_count < 3;
+    for (size_t i = 0; i < pixel_count; ++i) {
+        const uint8_t* p = &from[i * channel_count];
+        for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = p[is_grey ? 0 : c];
+        if (channel_count == 2 || channel_count >= 4) rgba[4 * i + 3] = p[is_grey ? 1 : 3];
+    }
+    return rgba;
+}
+
+/// The picture's name while it is being written; removed unless it was renamed.
+class TemporaryFile {
+public:
+    explicit TemporaryFile(const fs::path& target) : target_(target) {
+        static std::atomic<uint64_t> counter{0};
+        path_ = target;
+        path_.replace_filename(
+            fmt::format(".{}.{}.{}.tmp{}", target.stem().string(), ::getpid(), counter++, target.extension().string()));
+    }
+    ~TemporaryFile() {
+        std::error_code ignored;
+        if (!is_renamed_) fs::remove(path_, ignored);
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    std::string path() const { return path_.string(); }
+    void rename_to_target() {
+        std::error_code error;
+        fs::rename(path_, target_, error);
+        if (error) throw std::runtime_error(target_.string() + ": " + error.message());
+        is_renamed_ = true;
+    }
+
+private:
+    fs::path target_, path_;
+    bool is_renamed_ = false;
+};
+
+/// Writes packed pixels in the spec's own formats.
+void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const char* format, const void* pixels) {
+    const auto fail = [&](const std::string& reason) { throw std::runtime_error(file.string() + ": " + one_line(reason)); };
+    if (fs::is_directory(file)) fail("it is a directory");
+    TemporaryFile temporary(file);
+    const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(format);
+    if (!out) fail(OIIO::geterror());
+    if (!out->open(temporary.path(), spec)) fail(out->geterror());
+    const OIIO::TypeDesc native = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN);
+    const bool is_written = out->write_image(native, pixels);
+    std::string reason = is_written ? std::string() : out->geterror();
+    if (!out->close() && is_written) reason = out->geterror();
+    if (!is_written || !reason.empty()) fail(reason.empty() ? "it cannot be written" : reason);
+    temporary.rename_to_target();
+}
+
+}  // namespace
+
+bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error) {
+    const auto fail = [&](const std::string& reason) {
+        *error = one_line(reason);
+        return false;
+    };
+    image->width = image->height = 0;
+    image->pixels.clear();
+    const char* format = format_of(encoded);
+    if (format == nullptr) return fail("not a picture of a known format");
+    if (std::string_view(format) == "png" && !is_whole_png(encoded)) return fail("a truncated or damaged PNG");
+    try {
+        OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(encoded.data()), encoded.size());
+        OIIO::ImageSpec config;
+        config.attribute("oiio:UnassociatedAlpha", 1);  // As stored: not multiplied by alpha.
+        OIIO::Filesystem::IOProxy* proxy = &memory;
+        config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+        const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::create(format);
+        if (!in) return fail(OIIO::geterror());
+        if (!in->supports("ioproxy")) return fail("pictures of this format are not read from memory");
+        OIIO::ImageSpec spec;
+        if (!in->open(format, spec, config)) {
+            const std::string reason = in->geterror();
+            return fail(reason.empty() ? "it cannot be decoded" : reason);
+        }
+        if (spec.width <= 0 || spec.height <= 0 || spec.width > kMaxSide || spec.height > kMaxSide) {
+            return fail(fmt::format("{} x {} pixels; {} a side are allowed", spec.width, spec.height, kMaxSide));
+        }
+        if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1) return fail("not an image of 1 to 16 channels");
+        const size_t channel_count = static_cast<size_t>(std::min(spec.nchannels, 4));
+        const size_t pixel_count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
+        std::vector<uint8_t> pixels(pixel_count * channel_count);
+        const bool is_read = in->read_image(0, 0, 0, static_cast<int>(channel_count), OIIO::TypeDesc::UINT8, pixels.data());
+        // A truncated JPEG reads "well", with an error set.
+        if (!is_read || in->has_error()) {
+            const std::string reason = in->geterror();
+            return fail(reason.empty() ? "it cannot be decoded" : reason);
+        }
+        image->pixels = channel_count == 4 ? std::move(pixels) : to_rgba(pixels, pixel_count, channel_count);
+        image->width = spec.width;
+        image->height = spec.height;
+        return true;
+    } catch (const std::exception& exception) {
+        image->pixels.clear();
+        return fail(exception.what());
+    }
+}
+
+void write_exr(const fs::path& file, int width, int height, std::span<const Channel> channels) {
+    if (width <= 0 || height <= 0 || channels.empty())
+        throw std::runtime_error(file.string() + ": a picture without pixels");
+    const size_t pixel_count = static_cast<size_t>(width) * static_cast<size_t>(height);
+    OIIO::ImageSpec spec(width, height, static_cast<int>(channels.size()), OIIO::TypeDesc::FLOAT);
+    spec.channelnames.clear();
+    spec.channelformats.clear();
+    for (const Channel& channel : channels) {
+        if (channel.values.size() != pixel_count) {
+            throw std::runtime_error(fmt::format("{}: channel {} has {} values for {} pixels", file.string(), channel.name,
+                                                 channel.values.size(), pixel_count));
+        }
+        spec.channelnames.push_back(channel.name);
+        spec.channelformats.push_back(channel.is_id ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT);
+    }
+    spec.attribute("compression", "zip");
+    // Every channel has 4 bytes: pixels interleave as words, whatever the bits mean.
+    std::vector<uint32_t> words(pixel_count * channels.size());
+    for (size_t c = 0; c < channels.size(); ++c) {
+        for (size_t i = 0; i < pixel_count; ++i) {
+            std::memcpy(&words[i * channels.size() + c], &channels[c].values[i], sizeof(uint32_t));
+        }
+    }
+    write_pixels(file, spec, "exr", words.data());
+}
+
+void write_png(const fs::path& file, int width, int height, std::span<const uint8_t> rgba) {
+    if (width <= 0 || height <= 0 || rgba.size() != size_t{4} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
+        throw std::runtime_error(file.string() + ": the pixels are not 4 * width * height");
+    }
+    OIIO::ImageSpec spec(width, height, 4, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    write_pixels(file, spec, "png", rgba.data());
+}
+
+FloatImage read_picture(const fs::path& file) {
+    const auto fail = [&](const std::string& reason) { throw std::runtime_error(file.string() + ": " + one_line(reason)); };
+    OIIO::ImageSpec config;
+    config.attribute("oiio:UnassociatedAlpha", 1);
+    if (!fs::is_regular_file(file)) fail("there is no such file");
+    const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string(), &config);
+    if (!in) fail(OIIO::geterror());
+    const OIIO::ImageSpec spec = in->spec();
+    if (spec.width <= 0 || spec.height <= 0 || spec.width > 4 * kMaxSide || spec.height > 4 * kMaxSide ||
+        spec.nchannels < 1 || spec.nchannels > 1024) {
+        fail(fmt::format("{} x {} pixels of {} channels", spec.width, spec.height, spec.nchannels));
+    }
+    FloatImage image;
+    image.width = spec.width;
+    image.height = spec.height;
+    image.channels = spec.channelnames;
+    const size_t channel_count = static_cast<size_t>(spec.nchannels);
+    const size_t pixel_count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
+    image.values.resize(pixel_count * channel_count);
+
+    // Reading ids as floats would divide them by 2^32: a picture with ids is read channel by channel.
+    bool has_ids = false;
+    for (int c = 0; c < spec.nchannels; ++c) has_ids |= spec.channelformat(c) == OIIO::TypeDesc::UINT32;
+    if (!has_ids && !in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.values.data()))
+        fail(in->geterror());
+    for (int c = 0; has_ids && c < spec.nchannels; ++c) {
+        const bool is_id = spec.channelformat(c) == OIIO::TypeDesc::UINT32;
+        std::vector<uint32_t> words(pixel_count);
+        if (!in->read_image(0, 0, c, c + 1, is_id ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT, words.data())) {
+            fail(in->geterror());
+        }
+        for (size_t i = 0; i < pixel_count; ++i) {
+            float value;
+            std::memcpy(&value, &words[i], sizeof value);
+            image.values[i * channel_count + static_cast<size_t>(c)] = is_id ? static_cast<float>(words[i]) : value;
+        }
+    }
+    if (in->has_error()) fail(in->geterror());
+    return image;
+}
+
+}  // namespace zoe

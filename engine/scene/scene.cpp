@@ -1,0 +1,114 @@
+#include "engine/scene/scene.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace zoe {
+namespace {
+
+constexpr const char* kMotionNames[kMotionCount] = {"static", "rigid", "deforming", "arbitrary"};
+
+/// Keeps the ranges that are still there and stretches the last one to the end.
+void fit_materials(std::vector<MaterialRange>& materials, uint32_t triangle_count) {
+    for (MaterialRange& range : materials) {
+        range.begin = std::min(range.begin, triangle_count);
+        range.end = std::min(range.end, triangle_count);
+    }
+    if (materials.empty()) materials.push_back({});
+    materials.back().end = triangle_count;
+}
+
+}  // namespace
+
+const char* name(Motion motion) {
+    return kMotionNames[static_cast<int>(motion)];
+}
+
+std::optional<Motion> motion_from_name(std::string_view name) {
+    const auto found = std::find(std::begin(kMotionNames), std::end(kMotionNames), name);
+    if (found == std::end(kMotionNames)) return std::nullopt;
+    return static_cast<Motion>(found - std::begin(kMotionNames));
+}
+
+NodeId Scene::add(Node node) {
+    nodes.push_back(std::move(node));
+    return NodeId(nodes.size() - 1);
+}
+
+MeshId Scene::add(Mesh mesh) {
+    meshes.push_back(std::move(mesh));
+    return MeshId(meshes.size() - 1);
+}
+
+MaterialId Scene::add(Material material) {
+    materials.push_back(std::move(material));
+    return MaterialId(materials.size() - 1);
+}
+
+void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                       std::span<const glm::uvec3> corners) {
+    const std::string place = fmt::format("mesh {}", index(id));
+    if (index(id) >= meshes.size()) throw SceneError(file, place, "there is no such mesh");
+    if (!normals.empty() && normals.size() != positions.size()) {
+        throw SceneError(file, place, fmt::format("{} normals for {} vertices", normals.size(), positions.size()));
+    }
+    for (size_t i = 0; i < corners.size(); ++i) {
+        const glm::uvec3& c = corners[i];
+        if (std::max({c.x, c.y, c.z}) >= positions.size()) {
+            throw SceneError(file, place,
+                             fmt::format("triangle {} names vertex {}, but there are {}", i, std::max({c.x, c.y, c.z}),
+                                         positions.size()));
+        }
+    }
+
+    Mesh& mesh = (*this)[id];
+    const size_t count = positions.size();
+    const bool fits = mesh.positions.size() == count;
+    mesh.positions.assign(positions.begin(), positions.end());
+    mesh.normals.assign(normals.begin(), normals.end());
+    mesh.corners.assign(corners.begin(), corners.end());
+    fit_materials(mesh.materials, static_cast<uint32_t>(corners.size()));
+    if (!fits) {
+        for (std::vector<glm::vec2>& uvs : mesh.uvs) uvs.clear();
+        mesh.colors.clear();
+        mesh.targets.clear();
+        mesh.default_weights.clear();
+        mesh.binding = {};
+    }
+    ++mesh.version;
+}
+
+std::vector<NodeId> Scene::parents_first() const {
+    // Children of each node, as lists threaded through two arrays.
+    const uint32_t count = static_cast<uint32_t>(nodes.size());
+    const uint32_t none = index(kNone<NodeId>);
+    std::vector<uint32_t> first_child(count, none), next_sibling(count, none);
+    std::vector<NodeId> order;
+    order.reserve(count);
+    for (uint32_t i = count; i-- > 0;) {
+        const uint32_t parent = index(nodes[i].parent);
+        if (parent == none) continue;
+        if (parent >= count) {
+            throw SceneError(file, fmt::format("node {}", i), fmt::format("its parent is {}, not below {}", parent, count));
+        }
+        next_sibling[i] = first_child[parent];
+        first_child[parent] = i;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (nodes[i].parent == kNone<NodeId>) order.push_back(NodeId{i});
+    }
+    for (size_t at = 0; at < order.size(); ++at) {
+        for (uint32_t c = first_child[index(order[at])]; c != none; c = next_sibling[c]) order.push_back(NodeId{c});
+    }
+    if (order.size() < count) {
+        std::vector<bool> is_reached(count, false);
+        for (const NodeId id : order) is_reached[index(id)] = true;
+        const auto lost = std::find(is_reached.begin(), is_reached.end(), false) - is_reached.begin();
+        throw SceneError(file, fmt::format("node {}", lost), "its ancestors form a cycle");
+    }
+    return order;
+}
+
+}  // namespace zoe

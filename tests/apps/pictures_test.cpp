@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "engine/scene/image.h"
+#include "tests/apps/run_program.h"
+#include "tests/apps/small_scene.h"
+
+namespace zoe::test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string read_bytes(const std::filesystem::path& file) {
+    std::ostringstream bytes;
+    bytes << std::ifstream(file, std::ios::binary).rdbuf();
+    return bytes.str();
+}
+
+std::vector<std::string> demo(std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32", "--spp", "2"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+std::vector<std::string> keys(const Json& json) {
+    std::vector<std::string> names;
+    for (const auto& [key, value] : json.items()) names.push_back(key);
+    return names;
+}
+
+/// Of the values of a channel that are set in at least one pixel.
+std::set<float> channel_values(const FloatImage& image, const std::string& name) {
+    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
+    std::set<float> values;
+    if (found == image.channels.end()) return values;
+    const size_t channel = static_cast<size_t>(found - image.channels.begin());
+    for (size_t i = channel; i < image.values.size(); i += image.channels.size()) values.insert(image.values[i]);
+    return values;
+}
+
+TEST(Pictures, FrameRangeGivesOnePictureEachThatDiffer) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "3-6"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const int frame : {3, 4, 5, 6}) {
+        const FloatImage image = read_picture(folder / ("out/frame_000" + std::to_string(frame) + ".png"));
+        EXPECT_EQ(image.width, 48);
+        EXPECT_EQ(image.height, 32);
+    }
+    EXPECT_NE(read_bytes(folder / "out/frame_0003.png"), read_bytes(folder / "out/frame_0006.png"));
+    const FloatImage sheet = read_picture(folder / "out/contact_sheet.png");
+    EXPECT_EQ(sheet.width, 8 + 4 * (48 + 8));
+    EXPECT_EQ(sheet.height, 8 + 32 + 8);
+    for (const std::string& name : list_files(folder / "out")) {
+        EXPECT_TRUE(name.ends_with(".png") || name == "animation.mp4") << name << " is left over";
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/frame_0002.png"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/frame_0007.png"));
+}
+
+TEST(Pictures, FilmIsMadeWhereFfmpegIs) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    // An odd size: the film's sides must be even.
+    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-3", "--size", "33x21"})).exit_code, 0);
+    bool has_ffmpeg = true;
+    try {
+        has_ffmpeg = run_program({"ffmpeg", "-version"}, folder.path()).exit_code == 0;
+    } catch (const std::runtime_error&) {
+        has_ffmpeg = false;
+    }
+    EXPECT_EQ(std::filesystem::exists(folder / "out/animation.mp4"), has_ffmpeg);
+    if (has_ffmpeg) {
+        EXPECT_GT(std::filesystem::file_size(folder / "out/animation.mp4"), 200u);
+    }
+}
+
+TEST(Pictures, MissingFfmpegIsAWarning) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    std::filesystem::create_directory(folder / "empty");
+    std::vector<std::string> arguments = demo({"--frames", "0-1"});
+    arguments.insert(arguments.begin(), ZOETROPE_DEMO);
+    const Outcome outcome = run_program(arguments, folder.path(), {"DISPLAY", "PATH=" + (folder / "empty").native()});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.err, "zoetrope-demo: warning: no film was made: ffmpeg is not installed\n");
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/animation.mp4"));
+}
+
+TEST(Pictures, SingleFrameNeedsNoNumberInItsName) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "7", "--out", "one/picture.png"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(list_files(folder / "one"), std::vector<std::string>{"picture.png"});
+}
+
+TEST(Pictures, ExrHasTheLayers) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "0-1", "--spp", "1", "--out", "layers/f%02d.exr"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder / "layers/contact_sheet.png"));
+    ASSERT_TRUE(std::filesystem::exists(folder / "layers/f01.exr"));
+    const FloatImage image = read_picture(folder / "layers/f00.exr");
+    std::vector<std::string> channels = image.channels;
+    std::sort(channels.begin(), channels.end());
+    EXPECT_EQ(channels, (std::vector<std::string>{"A", "B", "G", "R", "depth.Z", "node.id", "primitive.id"}));
+
+    // The camera is five metres in front of both triangles, which face it.
+    const std::set<float> depths = channel_values(image, "depth.Z");
+    ASSERT_GE(depths.size(), 2u);
+    EXPECT_EQ(*depths.rbegin(), std::numeric_limits<float>::infinity());
+    for (const float depth : depths) EXPECT_TRUE(std::isinf(depth) || std::abs(depth - 5.0f) < 1e-4f) << depth;
+    const std::set<float> nodes = channel_values(image, "node.id");
+    EXPECT_EQ(nodes, (std::set<float>{0.0f, 1.0f, 4294967295.0f}));
+    EXPECT_EQ(channel_values(image, "primitive.id"), (std::set<float>{0.0f, 4294967295.0f}));
+}
+
+TEST(Pictures, ResumeKeepsWhatIsThereAndMakesTheRest) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-2"})).exit_code, 0);
+    const std::string frame_1 = read_bytes(folder / "out/frame_0001.png");
+    std::filesystem::remove(folder / "out/frame_0001.png");
+    const auto written = std::filesystem::last_write_time(folder / "out/frame_0000.png");
+    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "0-2", "--resume", "--stats", "stats.json"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(read_bytes(folder / "out/frame_0001.png"), frame_1);
+    EXPECT_EQ(std::filesystem::last_write_time(folder / "out/frame_0000.png"), written);
+    const Json stats = Json::parse(read_bytes(folder / "stats.json"));
+    ASSERT_EQ(stats["frames"].size(), 1u);
+    EXPECT_EQ(stats["frames"][0]["frame"], 1);
+
+    const Outcome nothing_left = run_demo(folder.path(), demo({"--frames", "0-2", "--resume", "--stats", "none.json"}));
+    EXPECT_EQ(nothing_left.exit_code, 0) << nothing_left.err;
+    EXPECT_EQ(Json::parse(read_bytes(folder / "none.json"))["frames"].size(), 0u);
+}
+
+TEST(Pictures, ThreadsDoNotMatter) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    for (const char* const threads : {"1", "2", "5"}) {
+        const std::string out = std::string("threads_") + threads + "/f%d.png";
+        ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-2", "--threads", threads, "--out", out})).exit_code, 0);
+    }
+    for (const char* const name : {"f0.png", "f1.png", "f2.png"}) {
+        const std::string one = read_bytes(folder / "threads_1" / name);
+        EXPECT_FALSE(one.empty());
+        EXPECT_EQ(one, read_bytes(folder / "threads_2" / name));
+        EXPECT_EQ(one, read_bytes(folder / "threads_5" / name));
+    }
+}
+
+TEST(Pictures, LoopingStartsAgainAndNoLoopStays) {
+    const TempFolder folder;
+    write_small_scene(folder);  // its clip takes one second: 24 frames
+    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "6-36", "--out", "loop/f%d.png"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "24-36", "--out", "stay/f%d.png", "--no-loop"})).exit_code, 0);
+    EXPECT_EQ(read_bytes(folder / "loop/f6.png"), read_bytes(folder / "loop/f30.png"));
+    EXPECT_EQ(read_bytes(folder / "stay/f24.png"), read_bytes(folder / "stay/f36.png"));
+    EXPECT_NE(read_bytes(folder / "stay/f36.png"), read_bytes(folder / "loop/f36.png"));
+}
+
+TEST(Stats, FieldsAreTheDocumentedOnes) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    const Outcome outcome = run_demo(
+        folder.path(), demo({"--frames", "0-3", "--threads", "2", "--stats", "stats.json", "--trace", "trace.json"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json stats = Json::parse(read_bytes(folder / "stats.json"));
+    EXPECT_EQ(keys(stats),
+              (std::vector<std::string>{"frames", "median", "nodes", "p99", "scene", "simd", "threads", "triangles"}));
+    EXPECT_EQ(stats["scene"], "scene.gltf");
+    EXPECT_EQ(stats["threads"], 2);
+    EXPECT_EQ(stats["triangles"], 2);
+    EXPECT_EQ(stats["nodes"], Json::parse(R"({"static": 1, "rigid": 1, "deforming": 0, "arbitrary": 0})"));
+    ASSERT_EQ(stats["frames"].size(), 4u);
+
+    std::vector<std::string> numbers = {"animate_ms", "build_tlas_ms", "deform_ms", "frame_ms",
+                                        "hits",       "kept",          "kinds",     "rays",
+                                        "rebuilt",    "refitted",      "trace_ms",  "update_blas_ms"};
+    EXPECT_EQ(keys(stats["median"]), numbers);
+    EXPECT_EQ(keys(stats["p99"]), numbers);
+    numbers.insert(numbers.end(), {"frame", "hits_hash"});
+    std::sort(numbers.begin(), numbers.end());
+    for (int i = 0; i < 4; ++i) {
+        const Json& frame = stats["frames"][i];
+        SCOPED_TRACE(frame.dump());
+        EXPECT_EQ(keys(frame), numbers);
+        EXPECT_EQ(frame["frame"], i);
+        EXPECT_EQ(keys(frame["kinds"]), (std::vector<std::string>{"diffuse", "primary", "shadow"}));
+        EXPECT_EQ(keys(frame["kinds"]["primary"]), (std::vector<std::string>{"ms", "rays"}));
+        EXPECT_EQ(frame["kinds"]["primary"]["rays"], 48 * 32 * 2);
+        EXPECT_EQ(frame["hits_hash"].get<std::string>().size(), 16u);
+        EXPECT_EQ(frame["hits_hash"].get<std::string>().find_first_not_of("0123456789abcdef"), std::string::npos);
+        if (i > 0) {
+            EXPECT_EQ(frame["kept"], 2);
+        }
+        double sum_ms = 0.0;
+        for (const char* const stage : {"animate_ms", "deform_ms", "update_blas_ms", "build_tlas_ms", "trace_ms"}) {
+            EXPECT_TRUE(frame[stage].is_number());
+            sum_ms += frame[stage].get<double>();
+        }
+        EXPECT_NEAR(frame["frame_ms"].get<double>(), sum_ms, 1e-6 * sum_ms);
+    }
+
+    const Json trace = Json::parse(read_bytes(folder / "trace.json"));
+    std::set<std::string> names;
+    for (const Json& event : trace["traceEvents"]) names.insert(event["name"]);
+    for (const char* const stage : {"animate", "deform", "update_blas", "build_tlas", "trace"})
+        EXPECT_TRUE(names.count(stage)) << stage;
+}
+
+TEST(Demo, RunsHeadlessWhereThereIsNoDisplay) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    const Outcome outcome = run_demo(folder.path(), {"scene.gltf", "--size", "32x18", "--spp", "1"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("no display"), std::string::npos) << outcome.out;
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/frame_0047.png"));
+}
+
+TEST(Demo, HelpNamesEveryOptionAndGivesExamples) {
+    const TempFolder folder;
+    const Outcome outcome = run_demo(folder.path(), {"--help"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.err, "");
+    for (const char* const part :
+         {"--headless", "--frames", "--fps", "--size", "--spp", "--shade", "--camera", "--eye", "--target", "--fov",
+          "--clip", "--no-loop", "--out", "--stats", "--trace", "--threads", "--resume", "Examples:", "default"}) {
+        EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
+    }
+}
+
+}  // namespace
+}  // namespace zoe::test

@@ -1,0 +1,98 @@
+#include "tests/apps/run_program.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include "tests/support/temp_folder.h"
+
+extern char** environ;
+
+namespace zoe::test {
+namespace {
+
+std::string read_text(const std::filesystem::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+}
+
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+    std::vector<char*> result;
+    for (const std::string& text : texts) result.push_back(const_cast<char*>(text.c_str()));
+    result.push_back(nullptr);
+    return result;
+}
+
+std::vector<std::string> changed_environment(const std::vector<std::string>& changes) {
+    std::vector<std::string> result;
+    const auto variable = [](std::string_view text) { return text.substr(0, text.find('=')); };
+    for (char** entry = environ; *entry; ++entry) {
+        const bool is_changed = std::any_of(changes.begin(), changes.end(),
+                                            [&](const std::string& change) { return variable(change) == variable(*entry); });
+        if (!is_changed) result.push_back(*entry);
+    }
+    for (const std::string& change : changes) {
+        if (change.find('=') != std::string::npos) result.push_back(change);
+    }
+    return result;
+}
+
+}  // namespace
+
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder,
+                    const std::vector<std::string>& environment) {
+    const TempFolder temp;
+    const std::string out = temp / "out", err = temp / "err";
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+    const std::vector<std::string> variables = changed_environment(environment);
+    pid_t pid = -1;
+    const int error =
+        posix_spawnp(&pid, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(), pointers(variables).data());
+    posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) throw std::runtime_error("cannot start " + arguments[0]);
+
+    int status = 0;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    Outcome outcome{WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), read_text(out), read_text(err)};
+    return outcome;
+}
+
+Outcome run_demo(const std::string& folder, const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {ZOETROPE_DEMO};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return run_program(all, folder, {"DISPLAY", "WAYLAND_DISPLAY"});
+}
+
+std::vector<std::string> list_files(const std::string& folder) {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+        files.push_back(std::filesystem::relative(entry.path(), folder));
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::vector<std::string> lines(const std::string& text) {
+    std::vector<std::string> result;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) result.push_back(line);
+    return result;
+}
+
+}  // namespace zoe::test

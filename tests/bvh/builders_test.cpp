@@ -1,0 +1,156 @@
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "engine/bvh/build_agglomerative.h"
+#include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_sweep.h"
+#include "engine/math/parallel.h"
+#include "tests/bvh/inputs.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+namespace {
+
+bool is_same_tree(const Bvh& a, const Bvh& b) {
+    return a.nodes.size() == b.nodes.size() && a.primitives == b.primitives &&
+           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+}
+
+TEST(Builders, AreValidOnEveryNastyInput) {
+    for (const TestMesh& mesh : nasty_meshes()) {
+        const std::vector<Aabb> boxes = mesh.boxes();
+        for (const NamedBuilder& builder : all_builders()) {
+            if (!accepts(builder, boxes)) continue;
+            SCOPED_TRACE(builder.name + " on " + mesh.name);
+            const Bvh bvh = builder.build(boxes);
+            EXPECT_EQ(validate(bvh, boxes), "");
+            EXPECT_LT(bvh.nodes.size(), 2 * std::max<size_t>(boxes.size(), 1));
+            EXPECT_FALSE(std::isnan(sah_cost(bvh)));
+        }
+    }
+}
+
+TEST(Builders, NothingMakesAnEmptyTreeAndOneBoxASingleLeaf) {
+    const Aabb box{{1, 2, 3}, {4, 5, 6}};
+    for (const NamedBuilder& builder : all_builders()) {
+        SCOPED_TRACE(builder.name);
+        const Bvh empty = builder.build({});
+        EXPECT_TRUE(empty.nodes.empty());
+        EXPECT_TRUE(empty.primitives.empty());
+        EXPECT_TRUE(empty.bounds().is_empty());
+        EXPECT_EQ(depth(empty), 0);
+        const Bvh one = builder.build(std::span(&box, 1));
+        ASSERT_EQ(one.nodes.size(), 1u);
+        EXPECT_TRUE(one.nodes[0].is_leaf());
+        EXPECT_EQ(one.bounds().lo, box.lo);
+        EXPECT_EQ(one.bounds().hi, box.hi);
+        EXPECT_EQ(depth(one), 1);
+    }
+}
+
+TEST(Builders, BoxesThatAreNotFiniteStayInTheTreeAndOutOfItsBounds) {
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    std::vector<Aabb> boxes;
+    Rng rng(61);
+    for (int k = 0; k < 500; ++k) {
+        Aabb box;
+        box.extend(random_point(rng, 1.0f));
+        box.extend(random_point(rng, 1.0f));
+        if (k % 4 == 1) box = Aabb{};
+        if (k % 4 == 2) box = {glm::vec3(-inf), glm::vec3(inf)};
+        if (k % 4 == 3) box.lo[int(rng.below(3))] = nan;
+        boxes.push_back(box);
+    }
+    for (const NamedBuilder& builder : all_builders()) {
+        if (builder.needs_finite_boxes) continue;
+        SCOPED_TRACE(builder.name);
+        const Bvh bvh = builder.build(boxes);
+        EXPECT_EQ(validate(bvh, boxes), "");
+        EXPECT_TRUE((Aabb{glm::vec3(-1), glm::vec3(1)}.contains(bvh.bounds())));
+        EXPECT_EQ(bvh.primitives.size(), boxes.size());
+    }
+}
+
+TEST(Builders, DepthStaysNearTheLogarithmWhereNothingForcesMore) {
+    for (const TestMesh& mesh : nasty_meshes()) {
+        // Scales force one, and where all areas are 0 any split is as good as another.
+        if (mesh.name == "each twice as far as the one before" || mesh.name == "on a line") continue;
+        const std::vector<Aabb> boxes = mesh.boxes();
+        for (const NamedBuilder& builder : all_builders()) {
+            if (builder.is_quadratic || !accepts(builder, boxes)) continue;
+            const int log = std::bit_width(boxes.size());
+            EXPECT_LE(depth(builder.build(boxes)), 3 * log + 12) << builder.name << " on " << mesh.name;
+        }
+    }
+}
+
+TEST(Builders, LeavesAreNoLargerThanAllowed) {
+    const TestMesh soup = random_soup(3000, 3.0f, 62);
+    const std::vector<Aabb> boxes = soup.boxes();
+    std::vector<Aabb> coincident(5000, boxes[0]);
+    for (const std::vector<Aabb>& input : {boxes, coincident}) {
+        for (const int size : {1, 2, 8}) {
+            const Bvh swept = build_sweep(input, {.max_leaf_size = size});
+            const Bvh binned = build_binned(input, {.max_leaf_size = size});
+            for (const Bvh* bvh : {&swept, &binned}) {
+                for (const BvhNode& node : bvh->nodes) ASSERT_LE(node.count, uint32_t(size));
+            }
+        }
+        if (input.size() > 3000) continue;
+        for (const BvhNode& node : build_agglomerative(input).nodes) ASSERT_LE(node.count, 1u);
+    }
+}
+
+TEST(Builders, GiveTheSameTreeOnAnyNumberOfThreads) {
+    const TestMesh soup = random_soup(60000, 0.2f, 63);
+    const std::vector<Aabb> boxes = soup.boxes();
+    const std::vector<Aabb> few(boxes.begin(), boxes.begin() + 1500);
+    for (const NamedBuilder& builder : all_builders()) {
+        const std::vector<Aabb>& input = builder.is_quadratic ? few : boxes;
+        set_thread_count(1);
+        const Bvh reference = builder.build(input);
+        for (const int threads : {2, 4}) {
+            set_thread_count(threads);
+            EXPECT_TRUE(is_same_tree(builder.build(input), reference)) << builder.name << ", " << threads << " threads";
+        }
+    }
+    set_thread_count(0);
+}
+
+TEST(Builders, StorageOfAnotherTreeChangesNothing) {
+    const std::vector<Aabb> boxes = random_soup(1000, 1.0f, 64).boxes(), others = random_soup(1700, 1.0f, 65).boxes();
+    EXPECT_TRUE(is_same_tree(build_sweep(boxes, {}, build_sweep(others)), build_sweep(boxes)));
+    EXPECT_TRUE(is_same_tree(build_binned(boxes, {}, build_binned(others)), build_binned(boxes)));
+    EXPECT_TRUE(is_same_tree(build_agglomerative(boxes, build_sweep(others)), build_agglomerative(boxes)));
+    EXPECT_TRUE(build_binned({}, {}, build_binned(others)).nodes.empty());
+}
+
+TEST(Builders, BeatAMedianSplitBySurfaceArea) {
+    // Small triangles in clusters and a few large ones: where the choice of the split matters.
+    TestMesh mesh = random_soup(2000, 0.05f, 66);
+    Rng rng(66);
+    for (glm::vec3& p : mesh.positions) p *= 0.5f;
+    for (int k = 0; k < 40; ++k) mesh.add(random_point(rng, 10), random_point(rng, 10), random_point(rng, 10));
+    const std::vector<Aabb> boxes = mesh.boxes();
+    const double one_leaf = double(boxes.size());
+    const double sweep = sah_cost(build_sweep(boxes)), binned = sah_cost(build_binned(boxes));
+    EXPECT_LT(sweep, 0.2 * one_leaf);
+    EXPECT_LT(binned, 0.2 * one_leaf);
+    EXPECT_LE(sweep, 1.05 * binned) << "every position tried can hardly be worse than 16 bins";
+    EXPECT_LE(sah_cost(build_agglomerative(boxes)), 2.0 * sweep);
+}
+
+TEST(SahCost, IsTheHandComputedOne) {
+    Bvh bvh;
+    // The root is a unit cube (half area 3); its leaves are two halves of it (half area 2), of two and three primitives.
+    bvh.nodes = {{{0, 0, 0}, 1, {1, 1, 1}, 0}, {{0, 0, 0}, 0, {0.5f, 1, 1}, 2}, {{0.5f, 0, 0}, 2, {1, 1, 1}, 3}};
+    bvh.primitives = {0, 1, 2, 3, 4};
+    EXPECT_DOUBLE_EQ(sah_cost(bvh), (3.0 * 1 + 2.0 * 2 + 2.0 * 3) / 3.0);
+    EXPECT_EQ(depth(bvh), 2);
+}
+
+}  // namespace
+}  // namespace zoe::test

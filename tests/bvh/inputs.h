@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/bvh/blas.h"
+#include "engine/bvh/traverse.h"
+#include "engine/math/rng.h"
+
+namespace zoe::test {
+
+struct TestMesh {
+    std::string name;
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> corners;
+
+    void add(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+    Triangle triangle(uint32_t primitive) const;
+    /// Of the finite triangles; empty boxes for the others, as the builders take them.
+    std::vector<Aabb> boxes() const;
+};
+
+TestMesh random_soup(int triangle_count, float size, uint64_t seed);
+
+/// Every kind of input that builders are known to fail on.
+std::vector<TestMesh> nasty_meshes();
+
+struct NamedBuilder {
+    std::string name;
+    std::function<Bvh(std::span<const Aabb>)> build;
+    bool is_quadratic = false;        ///< Keep inputs small.
+    bool needs_finite_boxes = false;  ///< Takes no empty or non-finite box.
+};
+
+/// Every builder, with usual and with extreme settings.
+std::vector<NamedBuilder> all_builders();
+bool accepts(const NamedBuilder& builder, std::span<const Aabb> boxes);
+
+/// A BLAS with a tree from anywhere.
+Blas blas_from(Bvh bvh, const TestMesh& mesh);
+
+/// The closest hit by trying every triangle in order with the engine's kernel: ties go to the lower primitive.
+BlasHit brute_force(const TestMesh& mesh, const Ray& ray);
+BlasHit closest_hit(const Blas& blas, const Ray& ray);
+bool any_hit(const Blas& blas, const Ray& ray);
+
+/// Equal to the last bit.
+bool is_same(const BlasHit& a, const BlasHit& b);
+std::string to_string(const BlasHit& hit);
+
+/// Rays at corners, edges and insides of a mesh's triangles, parallel to axes, past it, and with short ends.
+std::vector<Ray> rays_at(const TestMesh& mesh, int count, uint64_t seed);
+
+}  // namespace zoe::test

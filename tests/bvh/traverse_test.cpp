@@ -1,0 +1,152 @@
+#include "engine/bvh/traverse.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/bvh/inputs.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+/// A tree as deep as it has triangles: every inner node has one leaf and the rest of the chain. Triangle k stands at z = k,
+/// so that a ray from above goes down the chain first and keeps every leaf for later.
+TestMesh stack_of_triangles(int count) {
+    TestMesh mesh{"chain", {}, {}};
+    for (int k = 0; k < count; ++k) {
+        const auto z = static_cast<float>(k);
+        mesh.add({-1, -1, z}, {1, -1, z}, {0, 1, z});
+    }
+    return mesh;
+}
+
+Bvh chain_over(const std::vector<Aabb>& boxes) {
+    const auto n = static_cast<uint32_t>(boxes.size());
+    Bvh bvh;
+    bvh.nodes.resize(2 * n - 1);
+    Aabb rest;
+    for (uint32_t k = n; k-- > 0;) {
+        // Chain node 2k - 1 (the root is 0) over primitives [k, n); its leaf stands right before the next chain node.
+        rest.extend(boxes[k]);
+        const uint32_t chain = k == 0 ? 0 : 2 * k;
+        if (k == n - 1) {
+            bvh.nodes[chain] = {rest.lo, k, rest.hi, 1};
+        } else {
+            bvh.nodes[chain] = {rest.lo, 2 * k + 1, rest.hi, 0};
+            bvh.nodes[2 * k + 1] = {boxes[k].lo, k, boxes[k].hi, 1};
+        }
+    }
+    for (uint32_t k = 0; k < n; ++k) bvh.primitives.push_back(k);
+    return bvh;
+}
+
+TEST(Traverse, AChainOfAHundredThousandNodesDoesNotOverflow) {
+    constexpr int kCount = 100000;
+    const TestMesh mesh = stack_of_triangles(kCount);
+    const std::vector<Aabb> boxes = mesh.boxes();
+    const Blas blas = blas_from(chain_over(boxes), mesh);
+    ASSERT_EQ(validate(blas.bvh, boxes), "");
+    ASSERT_EQ(depth(blas.bvh), kCount);
+    const BlasHit from_above = closest_hit(blas, {{0, 0, kCount}, {0, 0, -1}});
+    EXPECT_EQ(from_above.primitive, uint32_t(kCount - 1));
+    EXPECT_EQ(from_above.t, 1.0f);
+    EXPECT_EQ(closest_hit(blas, {{0, 0, -1}, {0, 0, 1}}).primitive, 0u);
+    EXPECT_EQ(closest_hit(blas, {{5, 0, kCount}, {0, 0, -1}}).primitive, 0xffffffffu);
+    EXPECT_TRUE(any_hit(blas, {{0, 0, kCount}, {0, 0, -1}}));
+    EXPECT_FALSE(any_hit(blas, {{0.9f, 0.9f, kCount}, {0, 0, -1}})) << "through every box, past every triangle";
+    EXPECT_EQ(closest_hit(blas, {{0.9f, 0.9f, kCount}, {0, 0, -1}}).primitive, 0xffffffffu);
+}
+
+TEST(Traverse, AnEmptyTreeIsMissed) {
+    const Blas blas;
+    EXPECT_EQ(closest_hit(blas, Ray{}).primitive, 0xffffffffu);
+    EXPECT_FALSE(any_hit(blas, Ray{}));
+}
+
+TEST(Traverse, RaysThatAreNotRaysHitNothing) {
+    const TestMesh mesh = stack_of_triangles(3);
+    const Blas blas = blas_from(chain_over(mesh.boxes()), mesh);
+    for (const float bad : {std::nanf(""), kInf, -kInf}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const bool is_origin : {false, true}) {
+                Ray ray{{0, 0, 5}, {0, 0, -1}};
+                (is_origin ? ray.origin : ray.direction)[axis] = bad;
+                EXPECT_EQ(closest_hit(blas, ray).primitive, 0xffffffffu);
+                EXPECT_FALSE(any_hit(blas, ray));
+            }
+        }
+    }
+    EXPECT_FALSE(any_hit(blas, {{0, 0, 0}, {0, 0, 0}})) << "a direction of 0 from a point on a triangle";
+    Ray nan_end{{0, 0, 5}, {0, 0, -1}};
+    nan_end.t_max = std::nanf("");
+    EXPECT_FALSE(any_hit(blas, nan_end));
+    EXPECT_EQ(closest_hit(blas, nan_end).primitive, 0xffffffffu);
+    nan_end.t_max = kInf;
+    nan_end.t_min = std::nanf("");
+    EXPECT_FALSE(any_hit(blas, nan_end));
+    EXPECT_EQ(closest_hit(blas, nan_end).primitive, 0xffffffffu);
+    Ray empty{{0, 0, 5}, {0, 0, -1}};
+    empty.t_min = 4.0f;
+    empty.t_max = 3.0f;
+    EXPECT_FALSE(any_hit(blas, empty)) << "t_min above t_max";
+}
+
+TEST(Traverse, ImprovesOnAHitOnlyWhereItIsCloserOrItsPrimitiveLower) {
+    TestMesh mesh{"two copies", {}, {}};
+    mesh.add({-1, -1, 0}, {1, -1, 0}, {0, 1, 0});
+    mesh.corners.push_back(mesh.corners[0]);
+    const Blas blas = blas_from(chain_over(mesh.boxes()), mesh);
+    const RayFrame frame(Ray{{0, 0, 5}, {0, 0, -1}});
+    BlasHit hit{4.0f, 0.1f, 0.1f, 7};
+    EXPECT_FALSE(closest_hit(blas, frame, 0.0f, 0.0f, &hit, nullptr)) << "the one at hand is closer";
+    EXPECT_EQ(hit.primitive, 7u);
+    hit = {5.0f, 0.1f, 0.1f, 7};
+    EXPECT_TRUE(closest_hit(blas, frame, 0.0f, 0.0f, &hit, nullptr)) << "a tie, and a lower primitive";
+    EXPECT_EQ(hit.primitive, 0u);
+    EXPECT_FALSE(closest_hit(blas, frame, 0.0f, 0.0f, &hit, nullptr)) << "the same again is no improvement";
+    hit = {6.0f, 0.1f, 0.1f, 0};
+    EXPECT_TRUE(closest_hit(blas, frame, 0.0f, 0.0f, &hit, nullptr)) << "closer";
+    EXPECT_EQ(hit.t, 5.0f);
+}
+
+TEST(Traverse, AnyHitTellsWhetherThereIsAClosestHit) {
+    const uint64_t seed = 131;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    const TestMesh soup = random_soup(3000, 1.0f, 132);
+    Blas blas;
+    build_blas(soup.positions, soup.corners, BlasBuilder::kSweep, &blas);
+    int hits = 0;
+    constexpr int kRays = 100000;
+    for (int k = 0; k < kRays; ++k) {
+        Ray ray{random_point(rng, 15.0f), random_direction(rng)};
+        ray.t_min = rng.below(2) ? 0.0f : rng.uniform(0.0f, 10.0f);
+        ray.t_max = rng.below(2) ? kInf : rng.uniform(0.0f, 20.0f);
+        const bool is_hit = closest_hit(blas, ray).primitive != 0xffffffffu;
+        ASSERT_EQ(any_hit(blas, ray), is_hit) << "ray " << k;
+        hits += is_hit;
+    }
+    EXPECT_GT(hits, kRays / 10);
+    EXPECT_LT(hits, kRays - kRays / 10);
+}
+
+TEST(Traverse, CountsItsWork) {
+    const TestMesh soup = random_soup(3000, 1.0f, 133);
+    Blas blas;
+    build_blas(soup.positions, soup.corners, BlasBuilder::kSweep, &blas);
+    TraverseCounts counts;
+    BlasHit hit;
+    closest_hit(blas, RayFrame({{0, 0, 30}, {0, 0, -1}}), 0.0f, 0.0f, &hit, &counts);
+    EXPECT_GT(counts.nodes, 1u);
+    EXPECT_LT(counts.nodes, blas.bvh.nodes.size() / 2);
+    EXPECT_GT(counts.triangles, 0u);
+    const TraverseCounts once = counts;
+    hit = {};
+    closest_hit(blas, RayFrame({{0, 0, 30}, {0, 0, -1}}), 0.0f, 0.0f, &hit, &counts);
+    EXPECT_EQ(counts.nodes, 2 * once.nodes) << "added to, not overwritten";
+    EXPECT_EQ(counts.triangles, 2 * once.triangles);
+}
+
+}  // namespace
+}  // namespace zoe::test

@@ -1,0 +1,67 @@
+#include "engine/render/sampler.h"
+
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace zoe::test {
+namespace {
+
+TEST(Sampler, EveryAlignedRunOfSamplesHasOnePointInEachBoxOfEveryShape) {
+    Rng rng(1);
+    for (int round = 0; round < 40; ++round) {
+        const uint32_t pixel = static_cast<uint32_t>(rng.next());
+        const uint64_t which = dimension(static_cast<Use>(rng.below(6)), rng.below(5), rng.below(3));
+        const uint32_t bits = rng.below(9);
+        const uint32_t count = 1u << bits;
+        const uint32_t first = rng.below(8) * count;
+        for (uint32_t bits_x = 0; bits_x <= bits; ++bits_x) {
+            std::set<std::pair<uint32_t, uint32_t>> boxes;
+            for (uint32_t i = 0; i < count; ++i) {
+                const glm::vec2 u = uniform_2d({pixel, first + i}, which);
+                boxes.emplace(static_cast<uint32_t>(u.x * static_cast<float>(1u << bits_x)),
+                              static_cast<uint32_t>(u.y * static_cast<float>(1u << (bits - bits_x))));
+            }
+            EXPECT_EQ(boxes.size(), count) << "pixel " << pixel << " bits " << bits << " of which x has " << bits_x;
+        }
+    }
+}
+
+TEST(Sampler, NumbersLieInTheHalfOpenUnitInterval) {
+    for (uint32_t i = 0; i < 10000; ++i) {
+        const glm::vec2 u = uniform_2d({i * 7919u, i}, dimension(Use::kDirection, i & 3));
+        EXPECT_TRUE(u.x >= 0.0f && u.x < 1.0f && u.y >= 0.0f && u.y < 1.0f);
+    }
+}
+
+/// Mean product of two centred uniform numbers over pixels: 0 where they know nothing of each other, 1/12 where equal.
+template <typename First, typename Second>
+double covariance(First first, Second second) {
+    double sum = 0.0;
+    constexpr uint32_t kCount = 40000;
+    for (uint32_t pixel = 0; pixel < kCount; ++pixel) sum += (first(pixel) - 0.5) * (second(pixel) - 0.5);
+    return sum / kCount;
+}
+
+TEST(Sampler, PixelsDimensionsAndSamplesAreNotCorrelated) {
+    // The standard deviation of each mean is (1 / 12) / sqrt(40000) = 0.0004.
+    constexpr double kBound = 0.002;
+    const auto x = [](uint32_t pixel) { return uniform_2d({pixel, 0}, dimension(Use::kSun, 1)).x; };
+    EXPECT_NEAR(covariance(x, [](uint32_t p) { return uniform_2d({p, 0}, dimension(Use::kSun, 1)).y; }), 0.0, kBound);
+    EXPECT_NEAR(covariance(x, [](uint32_t p) { return uniform_2d({p + 1, 0}, dimension(Use::kSun, 1)).x; }), 0.0, kBound);
+    EXPECT_NEAR(covariance(x, [](uint32_t p) { return uniform_2d({p, 0}, dimension(Use::kSun, 2)).x; }), 0.0, kBound);
+    EXPECT_NEAR(covariance(x, [](uint32_t p) { return uniform_2d({p, 0}, dimension(Use::kLight, 1)).x; }), 0.0, kBound);
+    // Samples 0 and 1 lie in different halves: by stratification their covariance is -1/16 of the halves.
+    EXPECT_NEAR(covariance(x, [](uint32_t p) { return uniform_2d({p, 1}, dimension(Use::kSun, 1)).x; }), -0.0625, kBound);
+    EXPECT_NEAR(covariance(x, x), 1.0 / 12.0, kBound);
+}
+
+TEST(Sampler, TheMeanOverPixelsIsOneHalf) {
+    double sum = 0.0;
+    for (uint32_t pixel = 0; pixel < 40000; ++pixel) sum += uniform_1d({pixel, 3}, dimension(Use::kAlpha, 0, 2));
+    EXPECT_NEAR(sum / 40000, 0.5, 5 * 0.2887 / 200);
+}
+
+}  // namespace
+}  // namespace zoe::test

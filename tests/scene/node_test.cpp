@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+
+#include "tests/scene/glb_builder.h"
+
+namespace zoe::test {
+namespace {
+
+TEST(NodeReader, TrsAndMatrixAreRead) {
+    GlbBuilder glb;
+    glb.push("nodes", {{"translation", {1, 2, 3}}, {"rotation", {0, 0, 1, 0}}, {"scale", {2, 2, 2}}, {"children", {1}}});
+    glb.push("nodes", {{"matrix", {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 3, 0, 4, 5, 6, 1}}});
+    const Scene scene = glb.load();
+    EXPECT_EQ(scene.nodes[0].local.translation, glm::vec3(1, 2, 3));
+    EXPECT_EQ(scene.nodes[0].local.rotation.z, 1.0f);
+    EXPECT_EQ(scene.nodes[1].parent, NodeId{0});
+    ASSERT_TRUE(scene.nodes[1].matrix);
+    EXPECT_EQ(scene.nodes[1].matrix->linear[2][2], 3.0f);
+    EXPECT_EQ(scene.nodes[1].matrix->translation, glm::vec3(4, 5, 6));
+}
+
+TEST(NodeReader, AnimatedMatricesAreDecomposed) {
+    GlbBuilder glb;
+    glb.push("nodes", {{"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 4, 5, 6, 1}}});
+    const int times = glb.floats({0, 1}, "SCALAR"), values = glb.floats({0, 0, 0, 1, 1, 1}, "VEC3");
+    glb.push("animations", {{"samplers", {{{"input", times}, {"output", values}}}},
+                            {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}});
+    const Scene scene = glb.load();
+    EXPECT_FALSE(scene.nodes[0].matrix);
+    EXPECT_NEAR(scene.nodes[0].local.scale.x, 2.0f, 1e-6f);
+    EXPECT_EQ(scene.nodes[0].local.translation, glm::vec3(4, 5, 6));
+    EXPECT_EQ(scene.warnings().size(), 1u);
+}
+
+TEST(NodeReader, CyclesAndSecondParentsAreRefused) {
+    GlbBuilder cycle;
+    cycle.json["nodes"] = {{{"children", {1}}}, {{"children", {0}}}};
+    EXPECT_NE(cycle.error().find("/nodes/0: it is its own ancestor"), std::string::npos);
+    GlbBuilder self;
+    self.json["nodes"] = {{{"children", {0}}}};
+    EXPECT_NE(self.error().find("/nodes/0: it is its own ancestor"), std::string::npos);
+    GlbBuilder second;
+    second.json["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, nlohmann::json::object()};
+    EXPECT_NE(second.error().find("/nodes/1/children/0"), std::string::npos);
+}
+
+TEST(NodeReader, AHundredThousandNodesDeepLoads) {
+    constexpr uint32_t kDepth = 100000;
+    GlbBuilder glb;
+    for (uint32_t i = 0; i + 1 < kDepth; ++i) glb.push("nodes", {{"children", {i + 1}}});
+    glb.push("nodes", nlohmann::json::object());
+    glb.push("scenes", {{"nodes", {0}}});
+    const Scene scene = glb.load();
+    EXPECT_EQ(scene.parents_first().back(), NodeId{kDepth - 1});
+    EXPECT_TRUE(scene.nodes.back().is_shown);
+}
+
+TEST(NodeReader, OnlyTheChosenSceneIsShown) {
+    GlbBuilder glb;
+    glb.json["nodes"] = {{{"children", {1}}}, nlohmann::json::object(), nlohmann::json::object()};
+    glb.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {2}}}};
+    const auto shown = [](const Scene& scene) {
+        return std::vector<bool>{scene.nodes[0].is_shown, scene.nodes[1].is_shown, scene.nodes[2].is_shown};
+    };
+    EXPECT_EQ(shown(glb.load()), (std::vector<bool>{true, true, false}));
+    EXPECT_EQ(shown(glb.load({.scene = 1})), (std::vector<bool>{false, false, true}));
+    glb.json["scene"] = 1;
+    EXPECT_EQ(shown(glb.load()), (std::vector<bool>{false, false, true}));
+    EXPECT_THROW(glb.load({.scene = 2}), SceneError);
+    EXPECT_THROW(glb.load({.scene = -1}), SceneError);
+    glb.json.erase("scenes");
+    glb.json.erase("scene");
+    EXPECT_EQ(shown(glb.load()), (std::vector<bool>{true, true, true}));
+}
+
+TEST(NodeReader, ExtrasAskForMotionAndMeshSequences) {
+    GlbBuilder glb;
+    glb.triangle();
+    glb.triangle();
+    glb.json["nodes"][0]["extras"] = {{"motion", "deforming"}, {"anything", {1, 2}}};
+    glb.json["nodes"][1]["extras"] = {{"motion", "sideways"}, {"mesh_sequence", {{"meshes", {1, 0}}, {"fps", 12}}}};
+    const Scene scene = glb.load();
+    EXPECT_EQ(scene.nodes[0].motion, Motion::kDeforming);
+    EXPECT_EQ(scene.nodes[1].motion, std::nullopt);
+    EXPECT_EQ(scene.warnings().size(), 1u);
+    ASSERT_TRUE(scene.nodes[1].sequence);
+    EXPECT_EQ(scene.nodes[1].sequence->meshes, (std::vector<MeshId>{MeshId{1}, MeshId{0}}));
+    EXPECT_EQ(scene.nodes[1].sequence->fps, 12.0);
+    glb.json["nodes"][1]["extras"]["mesh_sequence"]["meshes"] = {2};
+    EXPECT_NE(glb.error().find("/nodes/1/extras/mesh_sequence/meshes/0"), std::string::npos);
+}
+
+TEST(NodeReader, InstancesBecomeChildrenThatShowTheMesh) {
+    GlbBuilder glb;
+    glb.triangle();
+    glb.push("nodes", {{"name", "last"}});
+    const int translations = glb.floats({1, 0, 0, 2, 0, 0}, "VEC3");
+    const int rotations = glb.accessor(std::vector<int16_t>{0, 0, 0, 32767, 0, 0, 32767, 0}, kShort, "VEC4", 2, true);
+    glb.json["nodes"][0]["name"] = "tree";
+    glb.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", translations},
+                                                                                   {"ROTATION", rotations}};
+    glb.json["extensionsUsed"] = glb.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+    const Scene scene = glb.load();
+    ASSERT_EQ(scene.nodes.size(), 4u);
+    EXPECT_EQ(scene.nodes[0].mesh, kNone<MeshId>);
+    EXPECT_EQ(scene.nodes[1].name, "last");
+    EXPECT_EQ(scene.nodes[2].name, "tree[0]");
+    EXPECT_EQ(scene.nodes[3].parent, NodeId{0});
+    EXPECT_EQ(scene.nodes[3].mesh, MeshId{0});
+    EXPECT_EQ(scene.nodes[3].local.translation, glm::vec3(2, 0, 0));
+    EXPECT_NEAR(scene.nodes[3].local.rotation.z, 1.0f, 1e-6f);
+
+    glb.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] = glb.floats({1, 1, 1}, "VEC3");
+    EXPECT_NE(glb.error().find("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes"), std::string::npos);
+}
+
+TEST(NodeReader, CamerasAndLightsAreRead) {
+    GlbBuilder glb = make_rich_glb();
+    glb.push("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 2}, {"ymag", 1}, {"znear", 0}, {"zfar", 9}}}});
+    glb.json["extensions"]["KHR_lights_punctual"]["lights"].push_back(
+        {{"type", "spot"}, {"color", {1, 0.5, 0}}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}});
+    const Scene scene = glb.load();
+    ASSERT_EQ(scene.cameras.size(), 2u);
+    EXPECT_FLOAT_EQ(scene.cameras[0].yfov, 0.8f);
+    EXPECT_FALSE(scene.cameras[1].is_perspective);
+    EXPECT_EQ(scene.cameras[1].xmag, 2.0f);
+    EXPECT_EQ(scene.nodes[1].light, LightId{0});
+    EXPECT_EQ(scene.lights[0].intensity, 40.0f);
+    EXPECT_EQ(scene.lights[1].kind, LightKind::kSpot);
+    EXPECT_FLOAT_EQ(scene.lights[1].outer_cone, 0.2f);
+}
+
+TEST(MaterialReader, FactorsExtensionsAndTransformsAreRead) {
+    GlbBuilder glb;
+    glb.triangle();
+    glb.push("images", {{"uri", "missing.png"}});
+    glb.push("samplers", {{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}});
+    glb.push("textures", {{"source", 0}, {"sampler", 0}});
+    const nlohmann::json transform = {
+        {"offset", {0.25, 0.5}}, {"rotation", 1.5707963267948966}, {"scale", {2, 3}}, {"texCoord", 1}};
+    glb.push("materials", {{"pbrMetallicRoughness",
+                            {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}},
+                             {"baseColorTexture", {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}}}},
+                           {"emissiveFactor", {1, 0.5, 0}},
+                           {"alphaMode", "MASK"},
+                           {"extensions",
+                            {{"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}},
+                             {"KHR_materials_unlit", nlohmann::json::object()}}}});
+    const Scene scene = glb.load();
+    const Material& material = scene.materials[0];
+    EXPECT_FLOAT_EQ(material.base_color.w, 0.4f);
+    EXPECT_EQ(material.emission, glm::vec3(10, 5, 0));
+    EXPECT_TRUE(material.is_unlit);
+    EXPECT_EQ(material.alpha_mode, AlphaMode::kMask);
+    const TextureRef& texture = material.base_color_texture;
+    EXPECT_EQ(texture.wrap_s, Wrap::kClamp);
+    EXPECT_EQ(texture.wrap_t, Wrap::kMirror);
+    EXPECT_TRUE(texture.is_nearest);
+    EXPECT_EQ(texture.uv_set, 1);
+    // Scaled to (2, 0), turned a quarter against the clock with v downwards to (0, -2), moved.
+    const glm::vec3 uv = texture.image_from_uv * glm::vec3(1, 0, 1);
+    EXPECT_NEAR(uv.x, 0.25f, 1e-6f);
+    EXPECT_NEAR(uv.y, -1.5f, 1e-6f);
+    EXPECT_EQ(scene.warnings().size(), 1u) << "the missing image";
+    EXPECT_TRUE(scene.images[0].pixels.empty());
+}
+
+}  // namespace
+}  // namespace zoe::test
