@@ -37,6 +37,7 @@ struct Split {
     int axis = -1;
     int bin = 0;  // First bin of the right side.
     double cost = std::numeric_limits<double>::infinity();
+    uint32_t unevenness = 0;  // The larger side's count: among equal costs (no area at all) the most even split wins.
 };
 
 class Builder {
@@ -146,7 +147,9 @@ private:
                 left.count += bins[k - 1].count;
                 if (left.count == 0 || left.count == range.count()) continue;
                 const double cost = left.bounds.half_area() * left.count + right_cost[k];
-                if (cost < best.cost) best = {axis, k, cost};
+                const uint32_t unevenness = std::max(left.count, range.count() - left.count);
+                if (cost < best.cost || (cost == best.cost && unevenness < best.unevenness))
+                    best = {axis, k, cost, unevenness};
             }
         }
         return best;

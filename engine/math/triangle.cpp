@@ -65,11 +65,11 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
     // Divided before they are multiplied: coordinates of 1e18 must not overflow.
     const float weight_a = u / determinant, weight_b = v / determinant, weight_c = w / determinant;
     float t = weight_a * az + weight_b * bz + weight_c * cz;
-    if (!(t >= t_min)) return false;  // Behind: never clamped to the front, where the box may contain the origin.
-    if (!(t >= t_min)) return false;  // Also NaN.
+    if (!(t >= 0.0f)) return false;  // Behind, even where the box holds the origin; also NaN.
     const Aabb box = bounds(triangle);
     t = std::max({t, t_floor, entry(ray, box.lo, box.hi, t_max)});
-    if (!(t <= t_max && t < std::numeric_limits<float>::infinity())) return false;  // Also where the box is missed.
+    if (!(t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity()))
+        return false;  // Also where the box is missed.
     if (has_no_area(triangle)) return false;
     hit->t = t;
     hit->u = weight_b;
