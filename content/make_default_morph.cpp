@@ -161,7 +161,7 @@ void add_flower(GlbWriter& glb) {
     flower.default_weights = {0, 0, 0, 0};
     // The first two weights make a parabola go through the three poses; one of them is below 0 in between.
     const auto weight = [](uint32_t target, float share) {
-        const float turn = 2.0f * kPi * share, open = -std::cos(turn);
+        const float turn = 2.0f * kPi * share, open = std::cos(turn);
         if (target == 0) return 0.5f * open * (open + 1.0f);
         if (target == 1) return 0.5f * open * (open - 1.0f);
         return target == 2 ? 0.7f * std::sin(turn + 0.4f) : 0.4f * std::sin(2.0f * turn);

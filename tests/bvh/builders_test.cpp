@@ -16,7 +16,7 @@ namespace {
 
 bool is_same_tree(const Bvh& a, const Bvh& b) {
     return a.nodes.size() == b.nodes.size() && a.primitives == b.primitives &&
-           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+           (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0);
 }
 
 TEST(Builders, AreValidOnEveryNastyInput) {

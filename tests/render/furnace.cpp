@@ -18,12 +18,14 @@ void expect_all_one(const Film& film) {
 }
 
 TEST(Furnace, AWhiteConvexObjectVanishes) {
-    Scene scene;
-    add_node(scene, make_sphere(2, add_diffuse(scene, glm::vec3(1.0f)), false));
-    const Film film = picture(scene, look_at({0, 0, 3}, {0, 0, 0}, 40.0f, 1.0f), furnace(1), 32, 32, 16);
-    expect_all_one(film);
-    EXPECT_EQ(film.pixel(16, 16).a, 1.0f);
-    EXPECT_EQ(film.pixel(0, 0).a, 0.0f);
+    for (bool is_double_sided : {false, true}) {
+        Scene scene;
+        add_node(scene, make_sphere(2, add_diffuse(scene, glm::vec3(1.0f), is_double_sided), false));
+        const Film film = picture(scene, look_at({0, 0, 3}, {0, 0, 0}, 40.0f, 1.0f), furnace(1), 32, 32, 16);
+        expect_all_one(film);
+        EXPECT_EQ(film.pixel(16, 16).a, 1.0f);
+        EXPECT_EQ(film.pixel(0, 0).a, 0.0f);
+    }
 }
 
 TEST(Furnace, ShadingNormalsLoseNoLight) {
@@ -46,7 +48,7 @@ TEST(Furnace, ShadingNormalsLoseNoLight) {
 
 TEST(Furnace, AWhiteOpenBoxVanishesWhenPathsMayBeLongEnough) {
     Scene scene;
-    add_node(scene, make_box(add_diffuse(scene, glm::vec3(1.0f)), true), {{0, 0, 0}, {1, 0, 0, 0}, {2, 1, 3}});
+    add_node(scene, make_box(add_diffuse(scene, glm::vec3(1.0f), true), true), {{0, 0, 0}, {1, 0, 0, 0}, {2, 1, 3}});
     expect_all_one(picture(scene, look_at({0, 2.5f, 2}, {0, -1, 0}, 60.0f, 1.0f), furnace(2000), 16, 16, 16));
 }
 
@@ -57,6 +59,43 @@ TEST(Furnace, AGreyConvexObjectShowsItsAlbedo) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(film.pixel(4, 4)[c], 0.25f * static_cast<float>(c + 1), 1e-5f);
 }
 
+TEST(Furnace, AConvexObjectInABlackHullThatFacesInwardsVanishesAndTheHullDoesNot) {
+    Scene scene;
+    add_node(scene, make_sphere(2, add_diffuse(scene, glm::vec3(1.0f)), true));
+    const View view = look_at({0, 0, 3}, {0, 0, 0}, 45.0f, 1.0f);
+    RenderConfig config = furnace(3);
+    config.is_jittered = false;
+    const Film bare = picture(scene, view, config, 32, 32, 8);
+    const Mesh hull = turned_inside_out(make_sphere(2, add_diffuse(scene, glm::vec3(0.0f)), false));
+    add_node(scene, hull, {{0, 0, 0}, {1, 0, 0, 0}, glm::vec3(1.1f)});
+    scene.touch();
+    const Film film = picture(scene, view, config, 32, 32, 8);
+    int black = 0;
+    for (int y = 0; y < 32; ++y) {
+        for (int x = 0; x < 32; ++x) {
+            if (bare.pixel(x, y).a == 1.0f || film.pixel(x, y).a == 0.0f) {
+                EXPECT_NEAR(film.pixel(x, y).r, 1.0f, 1e-5f) << "pixel " << x << ", " << y;
+            } else {
+                EXPECT_EQ(film.pixel(x, y).r, 0.0f) << "pixel " << x << ", " << y;
+                ++black;
+            }
+        }
+    }
+    EXPECT_GT(black, 20);
+}
+
+TEST(Furnace, WhatPassesBlendedSurfacesIsCountedOnce) {
+    Scene scene;
+    Material pane;
+    pane.base_color = {1, 1, 1, 0.4f};
+    pane.alpha_mode = AlphaMode::kBlend;
+    pane.is_double_sided = true;
+    const MaterialId material = scene.add(pane);
+    for (float y : {0.0f, 0.25f, 0.5f}) add_node(scene, make_floor(1.0f, y, material));
+    const Film film = picture(scene, look_at({0, 3, 1}, {0, 0, 0}, 30.0f, 1.0f), furnace(200), 16, 16, 256);
+    EXPECT_NEAR(mean_radiance(film).r, 1.0f, 0.005f);
+}
+
 TEST(Furnace, InsideAGlowingSphereTheBouncesSumUpToTheGeometricSeries) {
     // Russian roulette ends most of these paths early; the mean must not notice.
     Scene scene;
@@ -64,6 +103,7 @@ TEST(Furnace, InsideAGlowingSphereTheBouncesSumUpToTheGeometricSeries) {
     const float albedo = 0.6f;
     material.base_color = glm::vec4(albedo, 0.5f * albedo, 0.0f, 1.0f);
     material.emission = glm::vec3(1.0f);
+    material.is_double_sided = true;
     add_node(scene, make_sphere(2, scene.add(material), true));
     RenderConfig config = dark();
     config.is_jittered = true;

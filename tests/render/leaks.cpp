@@ -67,7 +67,7 @@ TEST(Leaks, RaysThatLeaveAConvexObjectNeverHitItAgain) {
 TEST(Leaks, TheInsideOfAClosedBoxIsExactlyBlackUnderABrightSky) {
     for (const Trs& place : places()) {
         Scene scene;
-        add_node(scene, make_box(add_diffuse(scene, glm::vec3(1.0f))), place);
+        add_node(scene, make_box(add_diffuse(scene, glm::vec3(1.0f), true)), place);
         const Affine world_from_local = to_affine(place);
         RenderConfig config;
         config.sky_strength = 100.0f;

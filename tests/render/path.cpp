@@ -91,15 +91,21 @@ TEST(Path, StatsCountEveryRayByItsKind) {
     config.max_bounces = 3;
     FrameStats stats;
     picture(scene, from_above(), config, 16, 16, 2, &stats);
-    EXPECT_EQ(stats.primary.rays, 512u);
+    EXPECT_EQ(stats.primary.rays, 768u);  // one a pixel for the layers
     EXPECT_EQ(stats.shadow.rays, 512u);   // one towards the sun from each hit
     EXPECT_EQ(stats.diffuse.rays, 512u);  // one bounce, that ends in the sky
-    EXPECT_EQ(stats.rays, 1536u);
-    EXPECT_EQ(stats.hits, 512u);
+    EXPECT_EQ(stats.rays, 1792u);
+    EXPECT_EQ(stats.hits, 768u);
     EXPECT_NE(stats.hits_hash, 0u);
     EXPECT_GT(stats.trace_ms, 0.0);
     EXPECT_GT(stats.primary.ms + stats.diffuse.ms + stats.shadow.ms, 0.0);
     EXPECT_EQ(stats.frame_ms(), stats.trace_ms);
+
+    FrameStats centred;
+    config.is_jittered = false;
+    picture(scene, from_above(), config, 16, 16, 2, &centred);
+    EXPECT_EQ(centred.primary.rays, 512u);  // the first sample's are the layers' too
+    EXPECT_EQ(centred.rays, 1536u);
 }
 
 TEST(Path, EmissionIsSeenDirectlyAndLightsItsSurroundings) {
@@ -107,6 +113,7 @@ TEST(Path, EmissionIsSeenDirectlyAndLightsItsSurroundings) {
     Material lamp;
     lamp.base_color = {0, 0, 0, 1};
     lamp.emission = {3, 2, 1};
+    lamp.is_double_sided = true;
     add_node(scene, make_floor(1.0f, 0.0f, scene.add(lamp)));
     const glm::vec4 pixel = picture(scene, from_above(), dark(), 2, 2).pixel(0, 0);
     EXPECT_EQ(glm::vec3(pixel), glm::vec3(3, 2, 1));
@@ -163,10 +170,10 @@ TEST(Path, AnAlphaMaskHasHoles) {
     EXPECT_EQ(glm::vec3(film.pixel(0, 0)), glm::vec3(0, 1, 0));
     EXPECT_EQ(glm::vec3(film.pixel(1, 0)), glm::vec3(1, 1, 1));
     EXPECT_EQ(glm::vec3(film.pixel(0, 1)), glm::vec3(1, 1, 1));
-    EXPECT_EQ(film.node[0], 0u);
-    EXPECT_EQ(film.node[1], 1u);
-    EXPECT_NEAR(film.depth[0], 11.0f, 1e-4f);
-    EXPECT_NEAR(film.depth[1], 10.0f, 1e-4f);
+    for (size_t i = 0; i < 4; ++i) {  // The layers are of geometry: holes don't matter.
+        EXPECT_EQ(film.node[i], 1u);
+        EXPECT_NEAR(film.depth[i], 10.0f, 1e-4f);
+    }
     scene.materials[1].alpha_cutoff = 0.3f;  // 100 / 255 is above that: no hole
     EXPECT_EQ(glm::vec3(picture(scene, from_above(), dark(), 2, 2).pixel(0, 0)), glm::vec3(1, 1, 1));
     scene.materials[1].alpha_mode = AlphaMode::kOpaque;
@@ -203,7 +210,7 @@ TEST(Path, ShadowsOfBlendedSurfacesLetTheRestPass) {
     }
 }
 
-TEST(Path, LayersHoldDepthAlongTheAxisAndIdsOfTheFirstSample) {
+TEST(Path, LayersHoldDepthAlongTheAxisAndIds) {
     Scene scene;
     add_node(scene, make_floor(1.0f, 0.0f, add_diffuse(scene, glm::vec3(0.5f))));
     const View view = look_at({0, 2, 0}, {0, 0, 0}, 120.0f, 1.0f);
@@ -214,7 +221,7 @@ TEST(Path, LayersHoldDepthAlongTheAxisAndIdsOfTheFirstSample) {
             ++hits;
             EXPECT_NEAR(film.depth[i], 2.0f, 1e-5f);
             EXPECT_LT(film.primitive[i], 2u);
-            EXPECT_EQ(film.sum[i].a, 3.0f);
+            EXPECT_EQ(film.sum[i].a, 3.0f);  // not jittered: coverage has no edges
         } else {
             EXPECT_EQ(film.depth[i], std::numeric_limits<float>::infinity());
             EXPECT_EQ(film.node[i], 0xffffffffu);
@@ -225,15 +232,28 @@ TEST(Path, LayersHoldDepthAlongTheAxisAndIdsOfTheFirstSample) {
     EXPECT_TRUE(hits > 0 && hits < 81) << hits;
 }
 
-TEST(Path, OneUnjitteredSampleGoesThroughPixelCentres) {
-    Scene scene;
-    add_node(scene, make_sphere(3, add_diffuse(scene, glm::vec3(0.5f)), true));
-    const Film film = picture(scene, kBusyView, dark(), 30, 20);
+TEST(Path, LayersHoldTheClosestHitsOfPixelCentresInEveryShade) {
+    Scene scene = busy_scene();
     const Tlas& tlas = advance(scene, 0.0);
-    for (int y = 0; y < 20; ++y) {
-        for (int x = 0; x < 30; ++x) {
-            const Ray ray = camera_ray(kBusyView, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 30, 20);
-            EXPECT_EQ(film.primitive[static_cast<size_t>(y * 30 + x)], closest_hit(tlas, ray).primitive);
+    for (Shade shade : {Shade::kPath, Shade::kNormal, Shade::kCost}) {
+        for (bool is_jittered : {false, true}) {
+            RenderConfig config;
+            config.shade = shade;
+            config.is_jittered = is_jittered;
+            const Film film = picture(scene, kBusyView, config, 30, 20, 2);
+            for (int y = 0; y < 20; ++y) {
+                for (int x = 0; x < 30; ++x) {
+                    const Ray ray =
+                        camera_ray(kBusyView, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 30, 20);
+                    const Hit hit = closest_hit(tlas, ray);
+                    const size_t i = static_cast<size_t>(y * 30 + x);
+                    EXPECT_EQ(film.node[i], index(hit.node));
+                    EXPECT_EQ(film.primitive[i], hit.primitive);
+                    const float expected = depth(kBusyView, ray.origin + hit.t * ray.direction);
+                    if (hit) EXPECT_NEAR(film.depth[i], expected, 1e-5f);
+                    if (!hit) EXPECT_EQ(film.depth[i], std::numeric_limits<float>::infinity());
+                }
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -21,9 +22,11 @@ inline Mesh make_quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c
     return mesh;
 }
 
-/// A horizontal square around the origin at a height, seen from above with its texture's top left at (-size, -size).
+/// A horizontal square around the origin at a height. Its front is above, its texture's top left at (-size, -size).
 inline Mesh make_floor(float size, float y, MaterialId material) {
-    return make_quad({-size, y, -size}, {size, y, -size}, {size, y, size}, {-size, y, size}, material);
+    Mesh mesh = make_quad({-size, y, -size}, {size, y, -size}, {size, y, size}, {-size, y, size}, material);
+    mesh.corners = {{0, 2, 1}, {0, 3, 2}};
+    return mesh;
 }
 
 /// The cube [-1, 1]^3 of 12 triangles with 8 shared vertices; without its top where that is open.
@@ -66,9 +69,17 @@ inline Mesh make_sphere(int levels, MaterialId material, bool has_normals) {
     return mesh;
 }
 
-inline MaterialId add_diffuse(Scene& scene, const glm::vec3& albedo) {
+/// Turns every triangle's front to the other side.
+inline Mesh turned_inside_out(Mesh mesh) {
+    for (glm::uvec3& corners : mesh.corners) std::swap(corners.y, corners.z);
+    for (glm::vec3& normal : mesh.normals) normal = -normal;
+    return mesh;
+}
+
+inline MaterialId add_diffuse(Scene& scene, const glm::vec3& albedo, bool is_double_sided = false) {
     Material material;
     material.base_color = glm::vec4(albedo, 1.0f);
+    material.is_double_sided = is_double_sided;
     return scene.add(material);
 }
 
