@@ -9,11 +9,12 @@
 
 namespace zoe {
 
-/// A picture in the making. All arrays [height * width], top row first. Everything but `sum` is of the pixel's first sample.
+/// A picture in the making. All arrays [height * width], top row first. Depth, node and primitive are layers of geometry:
+/// the closest hit of the ray through the pixel's centre, whichever side it meets and however transparent the material is.
 struct Film {
     int width = 0, height = 0;
     int sample_count = 0;        ///< Samples so far, the same for every pixel.
-    std::vector<glm::vec4> sum;  ///< Linear radiance, sky included, and coverage: 1 where a surface was hit. Over samples.
+    std::vector<glm::vec4> sum;  ///< Linear radiance, sky included, and coverage: 1 where a surface was seen. Over samples.
     std::vector<float> depth;    ///< Metres along the camera's axis; +infinity on a miss.
     std::vector<uint32_t> node, primitive;  ///< 0xffffffff on a miss.
 

@@ -49,6 +49,19 @@ void add_stats(std::span<const TileStats> tiles, double trace_ms, FrameStats* st
     stats->trace_ms += trace_ms;
 }
 
+/// Tells whether light passes some material on show, be it from one side only.
+bool lets_light_pass(const Scene& scene, const Tlas& tlas) {
+    const auto does = [&](const MaterialRange& range) {
+        if (range.material == kNone<MaterialId>) return true;
+        const Material& material = scene.materials[index(range.material)];
+        return !material.is_double_sided || material.alpha_mode != AlphaMode::kOpaque;
+    };
+    return std::ranges::any_of(tlas.instances, [&](const Instance& instance) {
+        const auto& ranges = instance.mesh->materials;
+        return ranges.empty() || std::ranges::any_of(ranges, does);
+    });
+}
+
 }  // namespace
 
 std::optional<Shade> shade_from_name(std::string_view name) {
@@ -67,13 +80,12 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     static thread_local Workspace workspace;
     copy_sums(*film, &workspace.film);
     gather_lights(scene, config, &workspace.lighting);
-    const auto lets_light_pass = [](const Material& material) { return material.alpha_mode != AlphaMode::kOpaque; };
     const Pass pass{.scene = scene,
                     .tlas = tlas,
                     .view = view,
                     .config = config,
                     .lighting = workspace.lighting,
-                    .has_alpha = std::any_of(scene.materials.begin(), scene.materials.end(), lets_light_pass),
+                    .lets_light_pass = lets_light_pass(scene, tlas),
                     .first_sample = film->sample_count,
                     .sample_count = sample_count};
 

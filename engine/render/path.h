@@ -29,10 +29,12 @@ struct RenderConfig {
 /// dimension: passes may be split anywhere, and threads do not matter.
 ///
 /// The light: a sky seen by every ray that leaves the scene, a sun that camera rays see and shadow rays sample, emissive
-/// surfaces where a path meets them, and punctual lights by shadow rays. Every surface is diffuse and shows both sides.
-/// Sky and sun are there whatever lights the scene has. Alpha blends by chance, shadows by the exact share.
-/// stats      added to; may be null. rays: all of them; hits: closest hits that hit, and shadow rays that were blocked;
-///            hits_hash: over the closest hits, keyed by pixel, sample, bounce and see-through surfaces passed.
+/// surfaces where a path meets them, and punctual lights by shadow rays. Every surface is diffuse. Sky and sun are there
+/// whatever lights the scene has. Alpha blends by chance, shadows by the exact share. Single-sided materials are seen from
+/// their front only, and neither lit nor shade from behind.
+/// stats      added to; may be null. rays: all of them, the primary ones with one a pixel for the film's layers where
+///            samples are jittered; hits: those that hit; hits_hash: over the closest hits, keyed by pixel, sample, bounce
+///            and see-through surfaces passed.
 /// Returns    false where it was cancelled.
 bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,
             FrameStats* stats);

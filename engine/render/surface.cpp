@@ -5,8 +5,10 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "engine/frame/frame.h"
 #include "engine/render/direction.h"
 #include "engine/render/texture.h"
 
@@ -90,6 +92,16 @@ glm::vec2 uv_of(const Mesh& mesh, const TextureRef& texture, const Corners& corn
     return uvs.size() == vertex_count ? interpolate(uvs, corners) : glm::vec2(0.0f);
 }
 
+/// Tells whether a ray sees the front. A mirror in the node's matrix turned the winding, in `corners` too, which are in the
+/// world. That matrix counts even where the vertices were moved to another space when loaded, or follow a skin.
+/// A triangle whose area vanishes in rounding has only a front.
+bool is_front(const Scene& scene, NodeId node, const Corners& corners, const glm::vec3& direction) {
+    // In double precision no product of three floats vanishes.
+    const bool is_mirrored = glm::determinant(glm::dmat3(world_from_node(scene, node).linear)) < 0.0;
+    const float along = glm::dot(corners.normal, direction);
+    return is_mirrored ? along >= 0.0f : along <= 0.0f;
+}
+
 void set_normals(const Instance& instance, const Corners& corners, const glm::vec3& toward_viewer, Surface* surface) {
     surface->ng = corners.normal == glm::vec3(0.0f) ? unit_or(toward_viewer, glm::vec3(0, 0, 1)) : corners.normal;
     if (glm::dot(surface->ng, toward_viewer) < 0.0f) surface->ng = -surface->ng;
@@ -119,7 +131,8 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     const size_t vertex_count = instance.positions.size();
     glm::vec4 color(1.0f);
     if (mesh.colors.size() == vertex_count) color = interpolate(mesh.colors, corners);
-    if (const Material* material = material_of(scene, mesh, hit.primitive)) {
+    const Material* const material = material_of(scene, mesh, hit.primitive);
+    if (material != nullptr) {
         const TextureRef& texture = material->base_color_texture;
         color *= material->base_color * sample_texture(scene.images, texture, uv_of(mesh, texture, corners, vertex_count));
         surface.is_unlit = material->is_unlit;
@@ -130,6 +143,10 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
             surface.emission =
                 material->emission * glm::vec3(sample_texture(scene.images, glow, uv_of(mesh, glow, corners, vertex_count)));
         }
+    }
+    surface.light_opacity = surface.opacity;
+    if (material == nullptr || !material->is_double_sided) {
+        (is_front(scene, hit.node, corners, ray.direction) ? surface.light_opacity : surface.opacity) = 0.0f;
     }
     // More than 1 would make energy out of nothing at every bounce.
     surface.base_color = glm::clamp(glm::vec3(color), 0.0f, 1.0f);

@@ -16,7 +16,7 @@ namespace zoe {
 namespace {
 
 constexpr uint32_t kMaxPassThrough = 1024;  // see-through surfaces in a row; what lies behind so many is taken as dark
-constexpr uint32_t kShadowHash = 0x80000000u;
+constexpr uint32_t kShadowHash = 0x80000000u, kLayerHash = 0x40000000u;
 constexpr uint32_t kRouletteFromBounce = 2;
 
 using Clock = std::chrono::steady_clock;
@@ -63,6 +63,7 @@ bool TileTracer::trace(const Pass& pass, const Tile& tile, Film* film, TileStats
     for (int i = 0; i < pass.sample_count; ++i) {
         if (pass.config.cancel != nullptr && pass.config.cancel->load(std::memory_order_relaxed)) return false;
         start_paths(tile, static_cast<uint32_t>(pass.first_sample + i));
+        if (pass.config.is_jittered && pass.first_sample + i == 0) trace_layers();
         if (pass.config.shade == Shade::kCost) {
             trace_cost();
         } else {
@@ -75,25 +76,49 @@ bool TileTracer::trace(const Pass& pass, const Tile& tile, Film* film, TileStats
     return true;
 }
 
+/// The camera's ray through a point of a pixel; (0, 0) is its top left.
+Ray TileTracer::pixel_ray(size_t pixel, const glm::vec2& within) const {
+    const size_t width = static_cast<size_t>(film_->width);
+    return camera_ray(pass_->view, static_cast<float>(pixel % width) + within.x,
+                      static_cast<float>(pixel / width) + within.y, film_->width, film_->height);
+}
+
 void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
-    const int width = film_->width, height = film_->height;
     paths_.clear();
     current_.clear();
     for (int y = tile.y_begin; y < tile.y_end; ++y) {
         for (int x = tile.x_begin; x < tile.x_end; ++x) {
-            const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(width) + static_cast<uint32_t>(x);
+            const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(film_->width) + static_cast<uint32_t>(x);
             const SampleKey key{pixel, sample};
             glm::vec2 within(0.5f);
             if (pass_->config.is_jittered) within = uniform_2d(key, dimension(Use::kPixel, 0));
-            const Ray ray =
-                camera_ray(pass_->view, static_cast<float>(x) + within.x, static_cast<float>(y) + within.y, width, height);
-            current_.push(ray, static_cast<uint32_t>(paths_.size()));
+            current_.push(pixel_ray(pixel, within), static_cast<uint32_t>(paths_.size()));
             paths_.push_back({.key = key, .pixel = pixel});
-            if (sample == 0) {
-                film_->depth[pixel] = std::numeric_limits<float>::infinity();
-                film_->node[pixel] = film_->primitive[pixel] = 0xffffffffu;
-            }
         }
+    }
+}
+
+/// The layers' rays go through pixel centres; where those of the samples don't, they are traced on their own.
+void TileTracer::trace_layers() {
+    passing_.clear();
+    for (size_t i = 0; i < paths_.size(); ++i) {
+        passing_.push(pixel_ray(paths_[i].pixel, glm::vec2(0.5f)), static_cast<uint32_t>(i));
+    }
+    find_closest(passing_, kLayerHash, 0, &stats_->primary);
+    record_layers(passing_);
+}
+
+/// batch      through pixel centres; `hits_` are its hits.
+void TileTracer::record_layers(const Rays& batch) {
+    for (size_t i = 0; i < batch.rays.size(); ++i) {
+        const Path& path = paths_[batch.paths[i]];
+        if (path.key.sample != 0) return;
+        const Ray& ray = batch.rays[i];
+        const Hit& hit = hits_[i];
+        film_->depth[path.pixel] = hit ? depth(pass_->view, ray.origin) - hit.t * glm::dot(ray.direction, pass_->view.axis_z)
+                                       : std::numeric_limits<float>::infinity();
+        film_->node[path.pixel] = index(hit.node);
+        film_->primitive[path.pixel] = hit.primitive;
     }
 }
 
@@ -111,10 +136,9 @@ void TileTracer::trace_cost() {
         Path& path = paths_[current_.paths[i]];
         stats_->hits += hits_[i] ? 1 : 0;
         stats_->hits_hash += hash(hits_[i], hash_key(path.key, 0));
-        if (!hits_[i]) continue;
-        path.coverage = 1.0f;
-        record_first_hit(path, surface_at(pass_->scene, pass_->tlas, current_.rays[i], hits_[i]).position, hits_[i]);
+        if (hits_[i]) path.coverage = 1.0f;
     }
+    if (!pass_->config.is_jittered) record_layers(current_);
 }
 
 /// One bounce of every path that is still under way: finds what its ray meets, lights it, and makes the next ray.
@@ -124,6 +148,7 @@ void TileTracer::trace_bounce(uint32_t bounce) {
     FrameStats::Kind* const kind = bounce == 0 ? &stats_->primary : &stats_->diffuse;
     for (uint32_t pass_through = 0; !current_.rays.empty() && pass_through < kMaxPassThrough; ++pass_through) {
         find_closest(current_, bounce, pass_through, kind);
+        if (bounce == 0 && pass_through == 0 && !pass_->config.is_jittered) record_layers(current_);
         passing_.clear();
         shade_hits(bounce, pass_through);
         std::swap(current_, passing_);
@@ -150,14 +175,11 @@ void TileTracer::shade_hits(uint32_t bounce, uint32_t pass_through) {
         const uint32_t path_index = current_.paths[i];
         Path& path = paths_[path_index];
         if (!hits_[i]) {
-            if (pass_->config.shade != Shade::kPath) continue;
-            // Diffuse bounces don't see the sun's disc: shadow rays bring its light.
-            const Lighting& lighting = pass_->lighting;
-            path.radiance +=
-                path.throughput * (bounce == 0 ? lighting.background(ray.direction) : lighting.sky(ray.direction));
+            if (pass_through == 0 || bounce == 0) add_sky(ray, path_index, bounce);
             continue;
         }
         const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
+        if (pass_through == 0 && bounce > 0) add_sky_behind(surface, ray, path_index);
         if (surface.opacity < 1.0f) {
             const float u = uniform_1d(path.key, dimension(Use::kAlpha, bounce, pass_through));
             if (u >= surface.opacity) {
@@ -173,7 +195,6 @@ void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hi
     Path& path = paths_[path_index];
     if (bounce == 0) {
         path.coverage = 1.0f;
-        record_first_hit(path, surface.position, hit);
         if (pass_->config.shade != Shade::kPath) {
             path.radiance = inspect(pass_->config.shade, surface, pass_->tlas[hit.node].motion, -ray.direction);
             return;
@@ -191,11 +212,21 @@ void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hi
     if (bounce < static_cast<uint32_t>(pass_->config.max_bounces)) bounce_on(surface, path_index, bounce);
 }
 
-void TileTracer::record_first_hit(const Path& path, const glm::vec3& position, const Hit& hit) {
-    if (path.key.sample != 0) return;
-    film_->depth[path.pixel] = depth(pass_->view, position);
-    film_->node[path.pixel] = index(hit.node);
-    film_->primitive[path.pixel] = hit.primitive;
+/// What a ray sees that leaves the scene. Diffuse bounces don't see the sun's disc: shadow rays bring its light.
+void TileTracer::add_sky(const Ray& ray, uint32_t path_index, uint32_t bounce) {
+    if (pass_->config.shade != Shade::kPath) return;
+    const Lighting& lighting = pass_->lighting;
+    Path& path = paths_[path_index];
+    path.radiance += path.throughput * (bounce == 0 ? lighting.background(ray.direction) : lighting.sky(ray.direction));
+}
+
+/// Sky light from the direction of a bounce may pass what the bounce itself ends at, and stop where the bounce goes on. It
+/// is told apart at the first surface that both meet: from there on a shadow ray brings it, and the bounce surfaces only.
+void TileTracer::add_sky_behind(const Surface& surface, const Ray& ray, uint32_t path_index) {
+    const glm::vec3 radiance = (1.0f - surface.light_opacity) * pass_->lighting.sky(ray.direction);
+    if (radiance == glm::vec3(0.0f)) return;
+    shadows_.push({.origin = leave(surface, ray.direction), .direction = ray.direction}, path_index,
+                  paths_[path_index].throughput * radiance);
 }
 
 void TileTracer::add_sun(const Surface& surface, uint32_t path_index, uint32_t bounce) {
@@ -258,44 +289,38 @@ void TileTracer::bounce_on(const Surface& surface, uint32_t path_index, uint32_t
 }
 
 void TileTracer::trace_shadows(uint32_t bounce) {
-    if (shadows_.rays.empty()) return;
+    if (pass_->lets_light_pass) return look_through_shadows(bounce);
     is_hit_.resize(shadows_.rays.size());
     const Clock::time_point start = Clock::now();
     any_hits(pass_->tlas, shadows_.rays, is_hit_);
     stats_->shadow.ms += ms_since(start);
     stats_->shadow.rays += shadows_.rays.size();
-    behind_.clear();
     for (size_t i = 0; i < is_hit_.size(); ++i) {
-        if (is_hit_[i] == 0) {
-            paths_[shadows_.paths[i]].radiance += shadows_.radiance[i];
-        } else {
-            ++stats_->hits;
-            if (pass_->has_alpha) behind_.push(shadows_.rays[i], shadows_.paths[i], shadows_.radiance[i]);
-        }
+        if (is_hit_[i] == 0) paths_[shadows_.paths[i]].radiance += shadows_.radiance[i];
+        stats_->hits += is_hit_[i];
     }
-    if (!behind_.rays.empty()) look_through_shadows(bounce);
 }
 
-/// Follows the shadow rays that met something, surface by surface: each lets pass what its opacity leaves.
+/// Follows shadow rays surface by surface: each lets pass what it does not stop.
 void TileTracer::look_through_shadows(uint32_t bounce) {
-    for (uint32_t pass_through = 0; !behind_.rays.empty() && pass_through < kMaxPassThrough; ++pass_through) {
-        find_closest(behind_, kShadowHash | bounce, pass_through, &stats_->shadow);
-        shadows_.clear();
+    for (uint32_t pass_through = 0; !shadows_.rays.empty() && pass_through < kMaxPassThrough; ++pass_through) {
+        find_closest(shadows_, kShadowHash | bounce, pass_through, &stats_->shadow);
+        onward_.clear();
         for (size_t i = 0; i < hits_.size(); ++i) {
-            const Ray& ray = behind_.rays[i];
-            const glm::vec3& radiance = behind_.radiance[i];
+            const Ray& ray = shadows_.rays[i];
+            const glm::vec3& radiance = shadows_.radiance[i];
             if (!hits_[i]) {
-                paths_[behind_.paths[i]].radiance += radiance;
+                paths_[shadows_.paths[i]].radiance += radiance;
                 continue;
             }
             const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
-            if (surface.opacity >= 1.0f) continue;
+            if (surface.light_opacity >= 1.0f) continue;
             const Ray onward{.origin = leave(surface, ray.direction),
                              .direction = ray.direction,
                              .t_max = std::max(0.0f, ray.t_max - hits_[i].t)};
-            shadows_.push(onward, behind_.paths[i], radiance * (1.0f - surface.opacity));
+            onward_.push(onward, shadows_.paths[i], radiance * (1.0f - surface.light_opacity));
         }
-        std::swap(behind_, shadows_);
+        std::swap(shadows_, onward_);
     }
 }
 

@@ -20,7 +20,7 @@ struct Pass {
     const View& view;
     const RenderConfig& config;
     const Lighting& lighting;
-    bool has_alpha = false;  ///< Some material lets light pass: shadows must look at what they meet.
+    bool lets_light_pass = false;  ///< Some material on show does: shadow rays must look at what they meet.
     int first_sample = 0, sample_count = 0;
 };
 
@@ -65,13 +65,17 @@ private:
         void push(const Ray& ray, uint32_t path, const glm::vec3& radiance);
     };
 
+    Ray pixel_ray(size_t pixel, const glm::vec2& within) const;
     void start_paths(const Tile& tile, uint32_t sample);
+    void trace_layers();
+    void record_layers(const Rays& batch);
     void trace_cost();
     void trace_bounce(uint32_t bounce);
     void find_closest(const Rays& batch, uint32_t bounce, uint32_t pass_through, FrameStats::Kind* kind);
     void shade_hits(uint32_t bounce, uint32_t pass_through);
     void shade_hit(const Surface& surface, const Ray& ray, const Hit& hit, uint32_t path, uint32_t bounce);
-    void record_first_hit(const Path& path, const glm::vec3& position, const Hit& hit);
+    void add_sky(const Ray& ray, uint32_t path, uint32_t bounce);
+    void add_sky_behind(const Surface& surface, const Ray& ray, uint32_t path);
     void add_sun(const Surface& surface, uint32_t path, uint32_t bounce);
     void add_punctual_light(const Surface& surface, uint32_t path, uint32_t bounce);
     void add_shadow(const Surface& surface, const Ray& ray, uint32_t path, const glm::vec3& radiance);
@@ -86,7 +90,7 @@ private:
     std::vector<Hit> hits_;
     std::vector<uint8_t> is_hit_;
     Rays current_, passing_, next_;
-    Shadows shadows_, behind_;
+    Shadows shadows_, onward_;
 };
 
 }  // namespace zoe

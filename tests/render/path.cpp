@@ -249,9 +249,11 @@ TEST(Path, LayersHoldTheClosestHitsOfPixelCentresInEveryShade) {
                     const size_t i = static_cast<size_t>(y * 30 + x);
                     EXPECT_EQ(film.node[i], index(hit.node));
                     EXPECT_EQ(film.primitive[i], hit.primitive);
-                    const float expected = depth(kBusyView, ray.origin + hit.t * ray.direction);
-                    if (hit) EXPECT_NEAR(film.depth[i], expected, 1e-5f);
-                    if (!hit) EXPECT_EQ(film.depth[i], std::numeric_limits<float>::infinity());
+                    if (hit) {
+                        EXPECT_NEAR(film.depth[i], depth(kBusyView, ray.origin + hit.t * ray.direction), 1e-5f);
+                    } else {
+                        EXPECT_EQ(film.depth[i], std::numeric_limits<float>::infinity());
+                    }
                 }
             }
         }

@@ -24,11 +24,13 @@ private:
     std::mt19937_64 engine_;
 };
 
-glm::dvec3 to_floats(const glm::dvec3& v) {
-    return glm::dvec3(glm::vec3(v));
-}
+/// Volatile: g++ 12 with -O2 drops the way through float where it does two numbers at a time.
 double to_float(double x) {
-    return static_cast<double>(static_cast<float>(x));
+    const volatile float rounded = static_cast<float>(x);
+    return static_cast<double>(rounded);
+}
+glm::dvec3 to_floats(const glm::dvec3& v) {
+    return {to_float(v.x), to_float(v.y), to_float(v.z)};
 }
 bool is_finite(const glm::dvec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
