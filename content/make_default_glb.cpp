@@ -49,6 +49,10 @@ void add_cameras(GlbWriter& glb) {
 }  // namespace zoe
 
 int main(int argc, char** argv) {
+    if (argc != 2 || argv[1][0] == '-') {
+        std::fprintf(stderr, "usage: make_default_glb FILE.glb   writes the default scene\n");
+        return 2;
+    }
     try {
         zoe::GlbWriter glb;
         glb.material("paint by vertex", glm::vec3(1.0f));
@@ -62,7 +66,7 @@ int main(int argc, char** argv) {
         zoe::add_flower(glb);
         zoe::add_jelly(glb);
         zoe::add_lava_lamp(glb);
-        glb.write(argc > 1 ? argv[1] : "content/default.glb");
+        glb.write(argv[1]);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "make_default_glb: %s\n", error.what());
         return 1;

@@ -138,11 +138,9 @@ Mesh make_jelly_pose(MaterialId jelly, MaterialId cherry, float squash, const gl
 
 void add_flower(GlbWriter& glb) {
     const MaterialId clay = glb.material("terracotta", srgb(0xb0613f)), earth = glb.material("earth", srgb(0x3b2a20));
-    const nlohmann::json two_sided = {{"doubleSided", true}};
-    const MaterialId leaf = glb.material("leaf", srgb(0x5f8347), two_sided);
-    const MaterialId outer = glb.material("petal", srgb(0xe79a8d), two_sided),
-                     inner = glb.material("inner petal", srgb(0xf3c3a4), two_sided);
-    const MaterialId heart = glb.material("flower heart", srgb(0xd9a437), two_sided);
+    const MaterialId leaf = glb.material("leaf", srgb(0x5f8347));
+    const MaterialId outer = glb.material("petal", srgb(0xe79a8d)), inner = glb.material("inner petal", srgb(0xf3c3a4));
+    const MaterialId heart = glb.material("flower heart", srgb(0xd9a437));
     Mesh pot;
     const std::vector<glm::vec2> profile = {{0, 0},       {.115f, 0},     {.125f, .015f}, {.155f, .2f},
                                             {.172f, .2f}, {.172f, .245f}, {.15f, .245f},  {.145f, .21f}};

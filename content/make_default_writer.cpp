@@ -59,7 +59,9 @@ GlbWriter::GlbWriter() {
 }
 
 MaterialId GlbWriter::material(const std::string& name, const glm::vec3& color, const json& more) {
+    // Double-sided: all these meshes are solid, and a shadow ray may then stop at the first triangle that it meets.
     json m = {{"name", name},
+              {"doubleSided", true},
               {"pbrMetallicRoughness",
                {{"baseColorFactor", {shortened(color.x), shortened(color.y), shortened(color.z), 1.0f}},
                 {"metallicFactor", 0},

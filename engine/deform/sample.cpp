@@ -28,7 +28,7 @@ void slerp(const float* a, const float* b, float s, float* out) {
     const float sign = cosine < 0.0f ? -1.0f : 1.0f;
     cosine *= sign;
     float weight_a = 1.0f - s, weight_b = s;
-    if (cosine < 0.9995f) {  // Closer than that, a straight line is as exact and sin does not cancel.
+    if (cosine < 0.99999f) {  // Closer than that, a straight line is within 1e-8 of the arc.
         const float angle = std::acos(cosine), sine = std::sin(angle);
         weight_a = std::sin((1.0f - s) * angle) / sine;
         weight_b = std::sin(s * angle) / sine;
