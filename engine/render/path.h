@@ -21,7 +21,7 @@ struct RenderConfig {
     float sun_strength = 1.0f;                  ///< Times the default sun; 0 for none.
     float sky_strength = 1.0f;                  ///< Times the default sky; 0 for a black one.
     std::optional<glm::vec3> uniform_sky;       ///< Radiance of a sky of one colour, and no sun: a furnace.
-    bool is_jittered = true;                    ///< False (what `--spp 1` means): rays through pixel centres.
+    bool is_jittered = true;                    ///< Else all rays go through pixel centres, as the first sample's always do.
     const std::atomic<bool>* cancel = nullptr;  ///< Set by another thread to leave early; the film is then not changed.
 };
 
@@ -32,8 +32,8 @@ struct RenderConfig {
 /// surfaces where a path meets them, and punctual lights by shadow rays. Every surface is diffuse. Sky and sun are there
 /// whatever lights the scene has. Alpha blends by chance, shadows by the exact share. Single-sided materials are seen from
 /// their front only, and neither lit nor shade from behind.
-/// stats      added to; may be null. rays: all of them, the primary ones with one a pixel for the film's layers where
-///            samples are jittered; hits: those that hit; hits_hash: over the closest hits, keyed by pixel, sample, bounce
+/// stats      added to; may be null. rays: all of them; hits: those that hit; hits_hash: over the closest hits, keyed by
+/// pixel, sample, bounce
 ///            and see-through surfaces passed.
 /// Returns    false where it was cancelled.
 bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,

@@ -16,7 +16,7 @@ namespace zoe {
 namespace {
 
 constexpr uint32_t kMaxPassThrough = 1024;  // see-through surfaces in a row; what lies behind so many is taken as dark
-constexpr uint32_t kShadowHash = 0x80000000u, kLayerHash = 0x40000000u;
+constexpr uint32_t kShadowHash = 0x80000000u;
 constexpr uint32_t kRouletteFromBounce = 2;
 
 using Clock = std::chrono::steady_clock;
@@ -63,7 +63,6 @@ bool TileTracer::trace(const Pass& pass, const Tile& tile, Film* film, TileStats
     for (int i = 0; i < pass.sample_count; ++i) {
         if (pass.config.cancel != nullptr && pass.config.cancel->load(std::memory_order_relaxed)) return false;
         start_paths(tile, static_cast<uint32_t>(pass.first_sample + i));
-        if (pass.config.is_jittered && pass.first_sample + i == 0) trace_layers();
         if (pass.config.shade == Shade::kCost) {
             trace_cost();
         } else {
@@ -83,6 +82,7 @@ Ray TileTracer::pixel_ray(size_t pixel, const glm::vec2& within) const {
                       static_cast<float>(pixel / width) + within.y, film_->width, film_->height);
 }
 
+/// The first sample goes through pixel centres: the layers are its.
 void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
     paths_.clear();
     current_.clear();
@@ -91,24 +91,14 @@ void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
             const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(film_->width) + static_cast<uint32_t>(x);
             const SampleKey key{pixel, sample};
             glm::vec2 within(0.5f);
-            if (pass_->config.is_jittered) within = uniform_2d(key, dimension(Use::kPixel, 0));
+            if (pass_->config.is_jittered && sample > 0) within = uniform_2d(key, dimension(Use::kPixel, 0));
             current_.push(pixel_ray(pixel, within), static_cast<uint32_t>(paths_.size()));
             paths_.push_back({.key = key, .pixel = pixel});
         }
     }
 }
 
-/// The layers' rays go through pixel centres; where those of the samples don't, they are traced on their own.
-void TileTracer::trace_layers() {
-    passing_.clear();
-    for (size_t i = 0; i < paths_.size(); ++i) {
-        passing_.push(pixel_ray(paths_[i].pixel, glm::vec2(0.5f)), static_cast<uint32_t>(i));
-    }
-    find_closest(passing_, kLayerHash, 0, &stats_->primary);
-    record_layers(passing_);
-}
-
-/// batch      through pixel centres; `hits_` are its hits.
+/// batch      of primary rays; `hits_` are its hits.
 void TileTracer::record_layers(const Rays& batch) {
     for (size_t i = 0; i < batch.rays.size(); ++i) {
         const Path& path = paths_[batch.paths[i]];
@@ -138,7 +128,7 @@ void TileTracer::trace_cost() {
         stats_->hits_hash += hash(hits_[i], hash_key(path.key, 0));
         if (hits_[i]) path.coverage = 1.0f;
     }
-    if (!pass_->config.is_jittered) record_layers(current_);
+    record_layers(current_);
 }
 
 /// One bounce of every path that is still under way: finds what its ray meets, lights it, and makes the next ray.
@@ -148,7 +138,7 @@ void TileTracer::trace_bounce(uint32_t bounce) {
     FrameStats::Kind* const kind = bounce == 0 ? &stats_->primary : &stats_->diffuse;
     for (uint32_t pass_through = 0; !current_.rays.empty() && pass_through < kMaxPassThrough; ++pass_through) {
         find_closest(current_, bounce, pass_through, kind);
-        if (bounce == 0 && pass_through == 0 && !pass_->config.is_jittered) record_layers(current_);
+        if (bounce == 0 && pass_through == 0) record_layers(current_);
         passing_.clear();
         shade_hits(bounce, pass_through);
         std::swap(current_, passing_);

@@ -67,7 +67,6 @@ private:
 
     Ray pixel_ray(size_t pixel, const glm::vec2& within) const;
     void start_paths(const Tile& tile, uint32_t sample);
-    void trace_layers();
     void record_layers(const Rays& batch);
     void trace_cost();
     void trace_bounce(uint32_t bounce);
