@@ -16,11 +16,8 @@ namespace {
 
 constexpr size_t kGrain = 4096;
 
-bool is_finite(const glm::vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 bool is_finite(const Triangle& t) {
-    return is_finite(t.a) && is_finite(t.b) && is_finite(t.c);
+    return zoe::is_finite(t.a) && zoe::is_finite(t.b) && zoe::is_finite(t.c);
 }
 
 Triangle triangle_at(std::span<const glm::vec3> positions, const glm::uvec3& corners, uint32_t primitive) {

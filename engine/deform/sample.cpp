@@ -47,6 +47,21 @@ const float* value_at(const Sampler& sampler, size_t key) {
                                                                 : &sampler.values[key * width];
 }
 
+// Between keys of one value nothing moves, to the last bit: what `is_constant` says, weights that sum to 1 only nearly would
+// contradict.
+bool is_still(const Sampler& sampler, size_t key) {
+    const size_t width = sampler.width;
+    const float* a = value_at(sampler, key);
+    const float* b = value_at(sampler, key + 1);
+    if (sampler.interpolation == Interpolation::kCubicSpline) {
+        const auto is_zero = [](float tangent) { return tangent == 0.0f; };
+        return std::equal(a, a + width, b) && std::all_of(a + width, a + 2 * width, is_zero) &&
+               std::all_of(b - width, b, is_zero);
+    }
+    return std::equal(a, a + width, b) ||
+           (sampler.is_rotation && std::equal(a, a + width, b, [](float x, float y) { return x == -y; }));
+}
+
 // Hermite spline between two keys `dt` seconds apart. Tangents are a second's: in-tangent, value, out-tangent a key.
 void sample_cubic(const Sampler& sampler, size_t key, float s, float dt, std::span<float> out) {
     const size_t width = sampler.width;
@@ -69,7 +84,8 @@ void sample(const Sampler& sampler, double time_s, std::span<float> out) {
     const size_t width = sampler.width;
     const ptrdiff_t key = std::max<ptrdiff_t>(key_before(times_s, time_s), 0);
     const size_t next = key + 1;
-    const bool is_between = next < times_s.size() && time_s > times_s[key] && sampler.interpolation != Interpolation::kStep;
+    const bool is_between = next < times_s.size() && time_s > times_s[key] &&
+                            sampler.interpolation != Interpolation::kStep && !is_still(sampler, static_cast<size_t>(key));
     if (!is_between) {
         std::copy_n(value_at(sampler, key), width, out.begin());
     } else {

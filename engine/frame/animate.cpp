@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "engine/frame/frame_state.h"
 
@@ -46,6 +47,8 @@ void animate(const Scene& scene, double time_s, FrameState* state) {
         std::copy_n(rest.begin(), std::min(rest.size(), state->weights[k].size()), state->weights[k].begin());
     }
     for (const ClipId id : scene.playback.clips) {
+        if (index(id) >= scene.clips.size())
+            throw SceneError(scene.file, "playback", "there is no clip " + std::to_string(index(id)));
         const Clip& clip = scene.clips[index(id)];
         const double clip_time_s = time_in_clip(clip, time_s, scene.playback.is_looping);
         for (const AnimationChannel& channel : clip.channels) {

@@ -29,7 +29,7 @@ bool place(const Shape& shape, Scene& scene, const FrameState& state, Instance* 
                  .is_identity = is_identity};
     if (!is_identity && !(invert(world_from_local, &instance->local_from_world) && instance->bounds_world.is_finite())) {
         scene.warn("node " + std::to_string(index(shape.node)) + " '" + scene[shape.node].name +
-                   "': not shown in frames where its world matrix has no inverse (a scale of 0)");
+                   "': not shown in frames where its world matrix has no finite inverse (a scale of 0, say)");
         return false;
     }
     return true;

@@ -25,7 +25,7 @@ struct Instance {
     bool is_identity = false;  ///< Local space is world space.
 };
 
-/// One tree over all instances of a frame. Valid until the next `advance` of its scene.
+/// One tree over all instances of a frame. Valid until the next `advance` or edit of its scene.
 struct Tlas {
     Bvh bvh;                                 ///< Primitives are positions in `instances`.
     std::vector<Instance> instances;         ///< In order of their nodes.

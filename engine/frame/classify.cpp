@@ -67,7 +67,8 @@ std::vector<NodeMotion> classify(const Scene& scene) {
             motion.frame = NodeId{k};
             motion.moves = mover[k] != kNone<NodeId>;
         }
-        if (node.mesh != kNone<MeshId> && !scene[node.mesh].targets.empty() && animated.weights[k]) is_deforming = true;
+        if (node.mesh != kNone<MeshId> && !node.sequence && !scene[node.mesh].targets.empty() && animated.weights[k])
+            is_deforming = true;
         motion.content = is_arbitrary(scene, node) ? Motion::kArbitrary
                          : is_deforming            ? Motion::kDeforming
                          : motion.moves            ? Motion::kRigid
@@ -78,7 +79,7 @@ std::vector<NodeMotion> classify(const Scene& scene) {
 }
 
 void set_motion(Scene& scene, NodeId node, Motion motion) {
-    const Motion content = classify(scene)[index(node)].content;
+    const Motion content = classify(scene).at(index(node)).content;
     if (motion < content) {
         throw SceneError(scene.file.empty() ? "scene" : scene.file, "/nodes/" + std::to_string(index(node)),
                          std::string("cannot be ") + name(motion) + ": its content is " + name(content));

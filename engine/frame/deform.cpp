@@ -13,6 +13,7 @@ MeshId mesh_at(const MeshSequence& sequence, double time_s, bool is_looping) {
     const double count = static_cast<double>(sequence.meshes.size());
     double frame = std::floor(time_s * sequence.fps + 1e-6);
     frame = is_looping ? frame - count * std::floor(frame / count) : std::clamp(frame, 0.0, count - 1.0);
+    if (!std::isfinite(frame)) frame = 0.0;  // A time that overflows.
     return sequence.meshes[static_cast<size_t>(std::clamp(frame, 0.0, count - 1.0))];
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/frame/frame_state.h"
 
@@ -29,14 +30,26 @@ void timed(double* ms, Stage&& stage) {
     stage();
 }
 
+// Nodes, meshes or a first write that came since the state was made ask for a new one.
+bool fits(const FrameState& state, const Scene& scene) {
+    return state.locals.size() == scene.nodes.size() && state.shared_blases.size() == scene.meshes.size() &&
+           state.written_mesh_count == count_written_meshes(scene);
+}
+
+const FrameState& made_state(const Scene& scene) {
+    if (!scene.frame) throw std::logic_error("the scene has no frame yet: call advance first");
+    return *scene.frame;
+}
+
 FrameState& state_of(Scene& scene) {
-    if (scene.frame && scene.frame->written_mesh_count != count_written_meshes(scene)) scene.touch();
+    if (scene.frame && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
         if (const std::string problem = check(scene); !problem.empty()) {
             throw SceneError(scene.file.empty() ? "scene" : scene.file, "", problem);
         }
-        scene.frame = std::make_shared<FrameState>();
-        prepare(scene, scene.frame.get());
+        auto state = std::make_shared<FrameState>();
+        prepare(scene, state.get());
+        scene.frame = std::move(state);
     }
     return *scene.frame;
 }
@@ -56,11 +69,11 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
 }
 
 const Affine& world_from_node(const Scene& scene, NodeId node) {
-    return scene.frame->world_matrices.at(index(node));
+    return made_state(scene).world_matrices.at(index(node));
 }
 
 Motion motion(const Scene& scene, NodeId node) {
-    return scene.frame->motions.at(index(node)).motion;
+    return made_state(scene).motions.at(index(node)).motion;
 }
 
 }  // namespace zoe

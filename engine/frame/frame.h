@@ -7,7 +7,7 @@
 
 namespace zoe {
 
-/// What one frame did. Times in ms. `advance` fills the first four times and the counts of nodes; `trace` belongs to
+/// What one frame did. Times in ms. `advance` adds to the first four times and the counts of nodes; `trace` belongs to
 /// whoever traces.
 struct FrameStats {
     double animate_ms = 0, deform_ms = 0, update_blas_ms = 0, build_tlas_ms = 0, trace_ms = 0;
@@ -25,15 +25,18 @@ struct FrameStats {
 
 /// Makes the frame at a time: animate, deform, update_blas, build_tlas. The result depends on the scene and the time only,
 /// never on the frames before.
-/// Returns    the tree to trace, owned by the scene; valid until the next call.
-/// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled.
-/// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
+/// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
+/// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
+/// for warnings). Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not
+/// finite.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 
 /// World matrix of a node at the last `advance`: cameras and lights.
+/// Throws     std::logic_error before the first one.
 const Affine& world_from_node(const Scene& scene, NodeId node);
 
 /// The motion class of a node as worked out at the last `advance`.
+/// Throws     std::logic_error before the first one, and after `set_motion` or `touch` until the next.
 Motion motion(const Scene& scene, NodeId node);
 
 }  // namespace zoe

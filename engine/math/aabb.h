@@ -8,6 +8,10 @@
 
 namespace zoe {
 
+inline bool is_finite(const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 /// Axis-aligned box, closed. Default: empty (lo > hi), the identity of `extend`.
 struct Aabb {
     glm::vec3 lo{std::numeric_limits<float>::infinity()};
@@ -22,10 +26,7 @@ struct Aabb {
         hi = glm::max(hi, box.hi);
     }
     bool is_empty() const { return !(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z); }
-    bool is_finite() const {
-        return std::isfinite(lo.x) && std::isfinite(lo.y) && std::isfinite(lo.z) && std::isfinite(hi.x) &&
-               std::isfinite(hi.y) && std::isfinite(hi.z);
-    }
+    bool is_finite() const { return zoe::is_finite(lo) && zoe::is_finite(hi); }
     bool contains(const glm::vec3& p) const {
         return lo.x <= p.x && p.x <= hi.x && lo.y <= p.y && p.y <= hi.y && lo.z <= p.z && p.z <= hi.z;
     }

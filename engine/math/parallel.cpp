@@ -73,7 +73,10 @@ void detail::parallel_ranges(size_t begin, size_t end, size_t grain, RangeFuncti
         for (size_t range = 0; range < range_count; ++range) run(range);
         return;
     }
-    threads()->arena.execute([&] { tbb::parallel_for(size_t{0}, range_count, run, tbb::simple_partitioner()); });
+    // Isolated: a thread that waits here must not take up a task of an outer loop, whose scratch memory it may share.
+    threads()->arena.execute([&] {
+        tbb::this_task_arena::isolate([&] { tbb::parallel_for(size_t{0}, range_count, run, tbb::simple_partitioner()); });
+    });
 }
 
 #else

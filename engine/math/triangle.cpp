@@ -5,21 +5,12 @@
 #include <limits>
 #include <utility>
 
-#include <glm/geometric.hpp>
-
 namespace zoe {
 
 namespace {
 
-bool is_finite(const glm::vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-// Corners on one line, to the last bit. Rounding in sheared space may give such a triangle an area; it has no normal.
-bool has_no_area(const Triangle& triangle) {
-    const glm::dvec3 a(triangle.a);
-    return glm::cross(glm::dvec3(triangle.b) - a, glm::dvec3(triangle.c) - a) == glm::dvec3(0.0);
-}
+// Below this a component's reciprocal may overflow although it matters beside the longest one.
+constexpr float kShortestDirection = 1e-30f;
 
 }  // namespace
 
@@ -35,7 +26,7 @@ RayFrame::RayFrame(const Ray& ray) : origin(ray.origin) {
     shear_x = d[kx] / d[kz];
     shear_y = d[ky] / d[kz];
     shear_z = 1.0f / d[kz];
-    is_valid = is_finite(d) && is_finite(origin) && std::isfinite(shear_z) && ray.t_min >= 0.0f;
+    is_valid = is_finite(d) && is_finite(origin) && size[kz] >= kShortestDirection && ray.t_min >= 0.0f;
 }
 
 bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, float t_min, float t_max, TriangleHit* hit) {
@@ -70,7 +61,6 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
     t = std::max({t, t_floor, entry(ray, box.lo, box.hi, t_max)});
     if (!(t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity()))
         return false;  // Also where the box is missed.
-    if (has_no_area(triangle)) return false;
     hit->t = t;
     hit->u = weight_b;
     hit->v = weight_c;

@@ -28,7 +28,7 @@ struct RayFrame {
     bool is_negative[3];          ///< Sign of each component: which of a slab's planes is entered first.
     float shear_x, shear_y, shear_z;
     int kx, ky, kz;  ///< kz: the axis along which the direction is longest.
-    bool is_valid;   ///< False for a zero or non-finite direction or origin: such a ray hits nothing.
+    bool is_valid;   ///< False for a direction shorter than 1e-30, or anything not finite: such a ray hits nothing.
 
     explicit RayFrame(const Ray& ray);
 };
@@ -45,7 +45,8 @@ struct TriangleHit {
 
 /// Watertight ray-triangle test, both sides. Edges and vertices that triangles share are hit by at least one of them.
 /// t_floor    `t` is never below this nor below the entry into the triangle's own box (see `entry`).
-/// Returns    false on a miss, for zero-area and for non-finite triangles, and for t outside [t_min, t_max].
+/// Returns    false on a miss, for non-finite triangles, and for t outside [t_min, t_max]. A triangle whose corners are on
+///            one line is hit where rounding gives it a width: it may be what seals the seam between two others.
 /// Source     Woop, Benthin, Wald. Watertight Ray/Triangle Intersection. JCGT 2013. Deviation: a hit must also enter the
 ///            triangle's box, and t is clamped to it, so that the same triangles are hit whatever the tree.
 bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, float t_min, float t_max, TriangleHit* hit);

@@ -15,7 +15,7 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     scene.file = path.string();
     GltfFile file = open_gltf(path, scene);
     scene.materials = read_materials(file, scene);
-    scene.images = read_images(file, options.load_images, scene);
+    scene.images = read_images(file, options, scene);
     for (size_t i = 0; i < file.model.meshes.size(); ++i) {
         scene.meshes.push_back(read_mesh(file, i, scene));
         normalize_weights(scene.meshes.back(), scene);
@@ -28,6 +28,7 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     scene.clips = read_clips(file, scene);
     decompose_animated(scene);
     add_instances(file, scene);
+    check_zeros_shown(file, scene);
     if (!scene.clips.empty()) scene.playback.clips = {ClipId{0}};
 
     const std::string broken = check(scene);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 
@@ -8,8 +9,9 @@
 namespace zoe {
 
 struct GltfOptions {
-    std::optional<int> scene;  ///< Which of the file's scenes; else the file's default, else the first.
-    bool load_images = true;   ///< False: Scene::images keeps names only.
+    std::optional<int> scene;                 ///< Which of the file's scenes; else the file's default, else the first.
+    bool load_images = true;                  ///< False: Scene::images keeps names only.
+    uint64_t max_pixels = uint64_t{1} << 28;  ///< Of all images together, 4 bytes each; those beyond keep their names only.
 };
 
 /// Reads a .gltf or .glb file: nodes, meshes, skins, morph targets, clips, cameras, lights, materials.

@@ -72,7 +72,7 @@ const std::byte* checked_range(const GltfFile& file, int view_index, uint64_t of
     if (end > view.length) {
         file.fail(place, fmt::format("{} elements end at byte {} of a bufferView of {}", count, end, view.length));
     }
-    return file.buffers[view.buffer].data() + view.offset + offset;
+    return file.buffer(view.buffer).data() + view.offset + offset;
 }
 
 Layout layout_of(const GltfFile& file, int index) {

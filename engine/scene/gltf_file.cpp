@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <map>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -76,31 +77,57 @@ void check_extensions(const json& root, const std::string& file, Scene& scene) {
     }
 }
 
+/// Adds what a URI names to the file's contents, unless it is there.
+/// content_of by the file's path.
+/// Returns    its position.
+size_t read_content(const std::string& uri, const std::string& place, std::map<std::filesystem::path, size_t>& content_of,
+                    GltfFile& file) {
+    const uint64_t bytes_left = kMaxFileBytes - std::min(kMaxFileBytes, file.byte_count);
+    try {
+        std::vector<std::byte> bytes;
+        if (uri.starts_with("data:")) {
+            bytes = read_uri(uri, file.folder, bytes_left);
+        } else {
+            const std::filesystem::path path = find_uri_file(uri, file.folder);
+            const auto [found, is_new] = content_of.try_emplace(path, file.contents.size());
+            if (!is_new) return found->second;
+            std::error_code failure;
+            const uint64_t size = std::filesystem::file_size(path, failure);
+            if (!failure && size > bytes_left) {
+                file.fail(place, fmt::format("more than {} bytes in the file and its buffers together", kMaxFileBytes));
+            }
+            bytes = read_whole_file(path, bytes_left);
+        }
+        file.byte_count += bytes.size();
+        file.contents.push_back(std::move(bytes));
+    } catch (const std::runtime_error& error) {
+        file.fail(place, shown(uri) + ": " + error.what());
+    }
+    return file.contents.size() - 1;
+}
+
 void read_buffers(const json& root, std::span<const std::byte> binary, GltfFile& file, Scene& scene) {
     if (!root.contains("buffers")) return;
     const json& buffers = root["buffers"];
+    std::map<std::filesystem::path, size_t> content_of;
     for (size_t i = 0; i < buffers.size(); ++i) {
         const std::string place = fmt::format("/buffers/{}", i);
-        const uint64_t length = buffers[i]["byteLength"];
-        std::vector<std::byte> bytes;
+        GltfBuffer buffer{file.contents.size(), buffers[i]["byteLength"]};
         if (buffers[i].contains("uri")) {
-            const std::string& uri = buffers[i]["uri"].get_ref<const std::string&>();
-            try {
-                bytes = read_uri(uri, file.folder, kMaxFileBytes);
-            } catch (const std::runtime_error& error) {
-                file.fail(place + "/uri", shown(uri) + ": " + error.what());
-            }
+            buffer.content = read_content(buffers[i]["uri"].get_ref<const std::string&>(), place + "/uri", content_of, file);
         } else if (i == 0 && !binary.empty()) {
-            bytes.assign(binary.begin(), binary.end());
-            if (bytes.size() > length + 3) scene.warn("the BIN chunk is longer than its buffer");
-        } else if (length > 0) {
+            file.contents.emplace_back(binary.begin(), binary.end());  // Counted with the file.
+            if (binary.size() > buffer.length + 3) scene.warn("the BIN chunk is longer than its buffer");
+        } else if (buffer.length > 0) {
             file.fail(place, "it has neither a uri nor a BIN chunk");
+        } else {
+            file.contents.emplace_back();
         }
-        if (bytes.size() < length) {
-            file.fail(place, fmt::format("byteLength is {}, but there are only {} bytes", length, bytes.size()));
+        const size_t size = file.contents[buffer.content].size();
+        if (size < buffer.length) {
+            file.fail(place, fmt::format("byteLength is {}, but there are only {} bytes", buffer.length, size));
         }
-        bytes.resize(length);
-        file.buffers.push_back(std::move(bytes));
+        file.buffers.push_back(buffer);
     }
 }
 
@@ -113,7 +140,7 @@ void read_views(const json& root, GltfFile& file, Scene& scene) {
         view.offset = views[i].value("byteOffset", uint64_t{0});
         view.length = views[i]["byteLength"];
         view.stride = views[i].value("byteStride", uint64_t{0});
-        const uint64_t size = file.buffers[view.buffer].size();
+        const uint64_t size = file.buffers[view.buffer].length;
         if (view.offset > size || view.length > size - view.offset) {
             file.fail(fmt::format("/bufferViews/{}", i), fmt::format("bytes {} to {} are outside its buffer of {}",
                                                                      view.offset, view.offset + view.length, size));
@@ -183,6 +210,7 @@ GltfFile open_gltf(const std::filesystem::path& path, Scene& scene) {
     } catch (const std::runtime_error& error) {
         throw SceneError(file.name, "", error.what());
     }
+    file.byte_count = bytes.size();
     const GltfContainer container = split_gltf(bytes, file.name, scene);
     json root = parse_json(container.json, file.name, scene);
     // First, because another version has another schema, and an extension may replace what the schema asks for.
@@ -198,9 +226,7 @@ GltfFile open_gltf(const std::filesystem::path& path, Scene& scene) {
     read_images(root, file);
     prepare_for_tinygltf(root, scene);
 
-    uint64_t byte_count = bytes.size();
-    for (const std::vector<std::byte>& buffer : file.buffers) byte_count += buffer.size();
-    file.numbers_left = 16 * byte_count + (uint64_t{1} << 24);
+    file.numbers_left = 16 * file.byte_count + (uint64_t{1} << 24);
 
     const std::string text = root.dump();
     std::string error, warning;

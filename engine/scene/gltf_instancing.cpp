@@ -9,11 +9,13 @@ namespace zoe {
 namespace {
 
 constexpr size_t kMaxNodes = size_t{1} << 21;
+constexpr uint64_t kMaxFreeInstances = 100000;  // Whatever the file's size; 4 bytes of the file allow one more.
 constexpr size_t kMaxCopies = size_t{1} << 26;  // Weights, sequence entries and channels that instances may repeat.
 
 /// Reads one of the extension's attributes; empty where it is missing.
+/// made       how many instances the file has so far.
 std::vector<float> read_attribute(GltfFile& file, const tinygltf::Value& attributes, const char* name, int type,
-                                  const std::string& place, std::optional<uint64_t>* count) {
+                                  const std::string& place, uint64_t made, std::optional<uint64_t>* count) {
     if (!attributes.Has(name)) return {};
     const int accessor = attributes.Get(name).GetNumberAsInt();
     require_type(file, accessor, {type}, place + "/" + name);
@@ -22,6 +24,11 @@ std::vector<float> read_attribute(GltfFile& file, const tinygltf::Value& attribu
         file.fail(place + "/" + name, fmt::format("{} elements, where another attribute has {}", range.end, **count));
     }
     *count = range.end;
+    const uint64_t max_count = std::max(kMaxFreeInstances, file.byte_count / 4);
+    if (range.end > max_count - std::min(made, max_count)) {
+        file.fail(place + "/" + name, fmt::format("{} instances with those before; a file of its size may have {}",
+                                                  made + range.end, max_count));
+    }
     std::vector<float> values = read_floats(file, accessor, range, type == TINYGLTF_TYPE_VEC4);
     for (size_t i = 0; i < values.size(); ++i) {
         if (!std::isfinite(values[i])) file.fail(place + "/" + name, fmt::format("number {} is not finite", i));
@@ -29,11 +36,12 @@ std::vector<float> read_attribute(GltfFile& file, const tinygltf::Value& attribu
     return values;
 }
 
-std::vector<Trs> read_instances(GltfFile& file, const tinygltf::Value& attributes, const std::string& place, Scene& scene) {
+std::vector<Trs> read_instances(GltfFile& file, const tinygltf::Value& attributes, const std::string& place, uint64_t made,
+                                Scene& scene) {
     std::optional<uint64_t> count;
-    const std::vector<float> t = read_attribute(file, attributes, "TRANSLATION", TINYGLTF_TYPE_VEC3, place, &count);
-    const std::vector<float> r = read_attribute(file, attributes, "ROTATION", TINYGLTF_TYPE_VEC4, place, &count);
-    const std::vector<float> s = read_attribute(file, attributes, "SCALE", TINYGLTF_TYPE_VEC3, place, &count);
+    const std::vector<float> t = read_attribute(file, attributes, "TRANSLATION", TINYGLTF_TYPE_VEC3, place, made, &count);
+    const std::vector<float> r = read_attribute(file, attributes, "ROTATION", TINYGLTF_TYPE_VEC4, place, made, &count);
+    const std::vector<float> s = read_attribute(file, attributes, "SCALE", TINYGLTF_TYPE_VEC3, place, made, &count);
     std::vector<Trs> instances(count.value_or(0));
     for (size_t i = 0; i < instances.size(); ++i) {
         if (!t.empty()) instances[i].translation = {t[3 * i], t[3 * i + 1], t[3 * i + 2]};
@@ -84,7 +92,8 @@ void add_instances(GltfFile& file, Scene& scene) {
             scene.warn("EXT_mesh_gpu_instancing on a node without a mesh or with a skin: ignored");
             continue;
         }
-        const std::vector<Trs> instances = read_instances(file, extension->second.Get("attributes"), place, scene);
+        const std::vector<Trs> instances = read_instances(file, extension->second.Get("attributes"), place,
+                                                          scene.nodes.size() - instances_of.size(), scene);
         if (instances.empty()) {
             scene.warn("EXT_mesh_gpu_instancing without instances: ignored");
             continue;

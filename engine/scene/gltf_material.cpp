@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <span>
 #include <stdexcept>
 
@@ -11,7 +12,6 @@ namespace zoe {
 namespace {
 
 constexpr uint64_t kMaxImageBytes = uint64_t{1} << 30;
-constexpr uint64_t kMaxPixels = uint64_t{1} << 28;  // Of all images together; 4 bytes each.
 constexpr int kNearestFilter = 9728, kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
 
 Wrap wrap_from(int value, Scene& scene) {
@@ -72,11 +72,54 @@ TextureRef texture_from(const GltfFile& file, const tinygltf::TextureInfo& info,
 std::vector<std::byte> encoded_bytes(const GltfFile& file, const GltfImage& image) {
     if (image.view >= 0) {
         const GltfView& view = file.views[static_cast<size_t>(image.view)];
-        const std::byte* begin = file.buffers[view.buffer].data() + view.offset;
-        return {begin, begin + view.length};
+        const std::span<const std::byte> bytes = file.buffer(view.buffer).subspan(view.offset, view.length);
+        return {bytes.begin(), bytes.end()};
     }
     if (image.uri.empty()) throw std::runtime_error("it has neither a uri nor a bufferView");
     return read_uri(image.uri, file.folder, kMaxImageBytes);
+}
+
+/// Equal for images whose encoded bytes are the same ones.
+/// Throws     std::runtime_error with the reason why there are none.
+std::string source_of(const GltfFile& file, const GltfImage& image) {
+    if (image.view >= 0) {
+        const GltfView& view = file.views[static_cast<size_t>(image.view)];
+        return fmt::format("view {} {} {}", file.buffers[view.buffer].content, view.offset, view.length);
+    }
+    if (image.uri.empty() || image.uri.starts_with("data:")) return image.uri;
+    return find_uri_file(image.uri, file.folder).string();
+}
+
+/// An image that has been decoded, or the reason why not.
+struct Decoded {
+    size_t image = 0;
+    std::string error;
+};
+
+/// Fills an image's pixels, while some are left.
+/// images     the ones before it.
+/// decoded    by source_of.
+/// Returns    the reason why it has none; empty where all is well.
+/// Throws     std::runtime_error with the reason, too.
+std::string read_pixels(const GltfFile& file, const GltfImage& from, const std::vector<Image>& images,
+                        std::map<std::string, Decoded>& decoded, uint64_t& pixels_left, Image& image) {
+    const auto [found, is_new] = decoded.try_emplace(source_of(file, from), Decoded{images.size(), {}});
+    std::string& error = found->second.error;
+    if (is_new) {
+        try {
+            decode_image(encoded_bytes(file, from), &image, &error, pixels_left);
+        } catch (const std::runtime_error& exception) {
+            error = exception.what();
+        }
+    } else if (error.empty()) {
+        const Image& same = images[found->second.image];
+        if (same.pixels.size() / 4 > pixels_left) return too_many_pixels(same.width, same.height, pixels_left);
+        image.width = same.width;
+        image.height = same.height;
+        image.pixels = same.pixels;
+    }
+    pixels_left -= image.pixels.size() / 4;
+    return error;
 }
 
 }  // namespace
@@ -113,32 +156,24 @@ std::vector<Material> read_materials(const GltfFile& file, Scene& scene) {
     return materials;
 }
 
-std::vector<Image> read_images(const GltfFile& file, bool load, Scene& scene) {
+std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options, Scene& scene) {
     std::vector<bool> is_shown(file.images.size(), false);
     for (const Material& material : scene.materials) {
         for (const TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
             if (ref->image != kNone<ImageId>) is_shown[index(ref->image)] = true;
         }
     }
-    uint64_t pixels_left = kMaxPixels;
+    uint64_t pixels_left = options.max_pixels;
+    std::map<std::string, Decoded> decoded;
     std::vector<Image> images;
     for (size_t i = 0; i < file.images.size(); ++i) {
         const GltfImage& from = file.images[i];
         Image image;
         image.name = !from.name.empty() ? from.name : from.uri.starts_with("data:") ? std::string() : from.uri;
-        if (load && is_shown[i]) {
+        if (options.load_images && is_shown[i]) {
             std::string error;
             try {
-                if (decode_image(encoded_bytes(file, from), &image, &error)) {
-                    const uint64_t pixel_count = static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
-                    if (pixel_count > pixels_left) {
-                        error = "the images are too large together";
-                        image.pixels = {};
-                        image.width = image.height = 0;
-                    } else {
-                        pixels_left -= pixel_count;
-                    }
-                }
+                error = read_pixels(file, from, images, decoded, pixels_left, image);
             } catch (const std::runtime_error& exception) {
                 error = exception.what();
             }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/scene/gltf.h"
 #include "engine/scene/gltf_file.h"
 
 namespace zoe {
@@ -9,8 +10,7 @@ namespace zoe {
 std::vector<Material> read_materials(const GltfFile& file, Scene& scene);
 
 /// Reads the images that the scene's materials show; the others keep their names only. One that is missing or broken is a
-/// warning.
-/// load       false: names only.
-std::vector<Image> read_images(const GltfFile& file, bool load, Scene& scene);
+/// warning, and so is one for which no pixels are left. What several images name is decoded once, and copied.
+std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options, Scene& scene);
 
 }  // namespace zoe

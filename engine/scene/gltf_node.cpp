@@ -93,6 +93,12 @@ Node read_node(const GltfFile& file, size_t i, Scene& scene) {
             scene.warn("a node's weights are not as many as its mesh's morph targets: ignored");
         }
     }
+    if (node.sequence) {
+        const std::vector<float>& weights = node.weights.empty() ? scene[node.mesh].default_weights : node.weights;
+        const bool is_morphed = std::any_of(weights.begin(), weights.end(), [](float w) { return w != 0.0f; });
+        if (node.skin != kNone<SkinId>) scene.warn("a node with extras.mesh_sequence and a skin: the skin is ignored");
+        if (is_morphed) scene.warn("a node with extras.mesh_sequence and morph weights: the weights are ignored");
+    }
     return node;
 }
 
@@ -153,6 +159,29 @@ void read_nodes(const GltfFile& file, const GltfOptions& options, Scene& scene) 
     for (size_t i = 0; i < file.model.nodes.size(); ++i) scene.nodes.push_back(read_node(file, i, scene));
     link_parents(file, scene);
     choose_scene(file, options, scene);
+}
+
+void check_zeros_shown(GltfFile& file, const Scene& scene) {
+    std::vector<uint64_t> zeros_of(scene.meshes.size(), 0);
+    for (size_t i = 0; i < zeros_of.size(); ++i) {
+        for (const tinygltf::Primitive& primitive : file.model.meshes[i].primitives) {
+            const auto position = primitive.attributes.find("POSITION");
+            if (position == primitive.attributes.end()) continue;
+            const int view = file.model.accessors[static_cast<size_t>(position->second)].bufferView;
+            const bool is_backed = view >= 0 && static_cast<size_t>(view) < file.views.size();
+            if (!is_backed) zeros_of[i] = scene.meshes[i].positions.size();
+        }
+    }
+    for (size_t i = 0; i < scene.nodes.size(); ++i) {
+        const Node& node = scene.nodes[i];
+        if (node.mesh == kNone<MeshId>) continue;
+        uint64_t count = zeros_of[index(node.mesh)];
+        if (node.sequence) {
+            for (const MeshId mesh : node.sequence->meshes) count = std::max(count, zeros_of[index(mesh)]);
+        }
+        // Instances stand behind the file's own nodes, and name the one that they came from as their parent.
+        file.spend(count, place_of(i < file.model.nodes.size() ? i : index(node.parent)));
+    }
 }
 
 void decompose_animated(Scene& scene) {

@@ -17,4 +17,9 @@ void decompose_animated(Scene& scene);
 /// scene      its nodes and clips must have been read.
 void add_instances(GltfFile& file, Scene& scene);
 
+/// Counts the vertices that the nodes show of meshes whose positions no bufferView holds: they are not the file's bytes.
+/// scene      its instances must have been added.
+/// Throws     SceneError where there are too many.
+void check_zeros_shown(GltfFile& file, const Scene& scene);
+
 }  // namespace zoe

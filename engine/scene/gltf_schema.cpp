@@ -197,6 +197,12 @@ private:
 void check_schema(json& root, const std::string& file, Scene& scene) {
     if (!root.is_object()) throw SceneError(file, "", "the JSON is not an object");
     Checker(root, file, scene).check_members(root, kSchemaRoot, false);
+    if (!root.contains("cameras")) return;
+    for (size_t i = 0; i < root["cameras"].size(); ++i) {
+        const std::string& type = root["cameras"][i]["type"].get_ref<const std::string&>();
+        if (root["cameras"][i].contains(type)) continue;
+        throw SceneError(file, fmt::format("/cameras/{}", i), fmt::format("'{}' is missing", type));
+    }
 }
 
 bool is_supported_extension(const std::string& name) {

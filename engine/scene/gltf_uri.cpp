@@ -99,8 +99,7 @@ bool decode_base64(std::string_view text, std::vector<std::byte>* out) {
     return true;
 }
 
-std::vector<std::byte> read_uri(const std::string& uri, const fs::path& folder, uint64_t max_bytes) {
-    if (uri.starts_with("data:")) return read_data_uri(uri);
+fs::path find_uri_file(const std::string& uri, const fs::path& folder) {
     if (uri.empty()) throw std::runtime_error("an empty URI");
     if (has_scheme(uri)) throw std::runtime_error("only files beside the scene and data URIs are read");
     std::string decoded;
@@ -119,7 +118,12 @@ std::vector<std::byte> read_uri(const std::string& uri, const fs::path& folder, 
     if (std::mismatch(root.begin(), root.end(), target.begin(), target.end()).first != root.end()) {
         throw std::runtime_error("the path leaves the scene's folder");
     }
-    return read_whole_file(target, max_bytes);
+    return target;
+}
+
+std::vector<std::byte> read_uri(const std::string& uri, const fs::path& folder, uint64_t max_bytes) {
+    if (uri.starts_with("data:")) return read_data_uri(uri);
+    return read_whole_file(find_uri_file(uri, folder), max_bytes);
 }
 
 std::string shown(const std::string& uri) {

@@ -103,7 +103,7 @@ void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const char*
 
 }  // namespace
 
-bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error) {
+bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels) {
     const auto fail = [&](const std::string& reason) {
         *error = one_line(reason);
         return false;
@@ -133,6 +133,9 @@ bool decode_image(std::span<const std::byte> encoded, Image* image, std::string*
         if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1) return fail("not an image of 1 to 16 channels");
         const size_t channel_count = static_cast<size_t>(std::min(spec.nchannels, 4));
         const size_t pixel_count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
+        if (pixel_count > max_pixels) {
+            return fail(too_many_pixels(spec.width, spec.height, max_pixels));
+        }
         std::vector<uint8_t> pixels(pixel_count * channel_count);
         const bool is_read = in->read_image(0, 0, 0, static_cast<int>(channel_count), OIIO::TypeDesc::UINT8, pixels.data());
         // A truncated JPEG reads "well", with an error set.
@@ -148,6 +151,10 @@ bool decode_image(std::span<const std::byte> encoded, Image* image, std::string*
         image->pixels.clear();
         return fail(exception.what());
     }
+}
+
+std::string too_many_pixels(int width, int height, uint64_t max_pixels) {
+    return fmt::format("{} x {} pixels, more than the {} that are left for images", width, height, max_pixels);
 }
 
 void write_exr(const fs::path& file, int width, int height, std::span<const Channel> channels) {

@@ -17,8 +17,12 @@ struct Image {
 };
 
 /// Decodes PNG, JPEG and whatever else OpenImageIO reads.
+/// max_pixels how many the image may have at most: told by its header, before pixels are read.
 /// Returns    false, with the reason in `error`, for broken files and for more than 16384 pixels a side.
-bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error);
+bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels = UINT64_MAX);
+
+/// The reason why an image of this size is left out.
+std::string too_many_pixels(int width, int height, uint64_t max_pixels);
 
 /// One layer channel of a picture to write: name ("R", "depth.Z", "node.id") and [height * width] values.
 struct Channel {

@@ -70,9 +70,15 @@ void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::spa
     mesh.normals.assign(normals.begin(), normals.end());
     mesh.corners.assign(corners.begin(), corners.end());
     fit_materials(mesh.materials, static_cast<uint32_t>(corners.size()));
-    if (!fits) {
+    const bool has_attributes = !mesh.uvs[0].empty() || !mesh.uvs[1].empty() || !mesh.colors.empty();
+    if (!fits && has_attributes) {
+        warn(fmt::format("mesh {} '{}': written with another vertex count; its uvs and colours are dropped", index(id),
+                         mesh.name));
         for (std::vector<glm::vec2>& uvs : mesh.uvs) uvs.clear();
         mesh.colors.clear();
+    }
+    if (!mesh.targets.empty() || mesh.binding.influence_count > 0) {
+        warn(fmt::format("mesh {} '{}': written by the user; its skin and morph targets are dropped", index(id), mesh.name));
         mesh.targets.clear();
         mesh.default_weights.clear();
         mesh.binding = {};

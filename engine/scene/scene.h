@@ -126,7 +126,8 @@ public:
     MeshId add(Mesh mesh);
     MaterialId add(Material material);
 
-    /// Replaces a mesh's triangles; vertex and triangle count may change. Nodes that show it become arbitrary.
+    /// Replaces a mesh's triangles; vertex and triangle count may change. Nodes that show it become arbitrary. Its skin and
+    /// morph targets are dropped: what is written is what is shown. Its uvs and colours stay where the vertex count does.
     /// normals    [vertex_count] or empty.
     /// Throws     SceneError where a corner is not below the vertex count.
     void write_mesh(MeshId mesh, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,

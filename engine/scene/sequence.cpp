@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
 #include "engine/deform/morph.h"
@@ -132,8 +133,9 @@ void append_node(const Scene& scene, const Node& node, const std::vector<Affine>
     for (int set = 0; set < 2; ++set) append_or_fill(mesh.uvs[set], from.uvs[set], first, count, glm::vec2(0.0f));
     append_or_fill(mesh.colors, from.colors, first, count, glm::vec4(1.0f));
 
-    // A mirror turns triangles round: turn them back, so that the same side stays in front.
-    const bool is_mirror = node.skin == kNone<SkinId> && glm::determinant(world_from_local.linear) < 0.0f;
+    // A mirror turns triangles round: turn them back, so that the same side stays in front. The node's matrix tells, even
+    // where vertices follow a skin. In double precision no product of three floats vanishes.
+    const bool is_mirror = glm::determinant(glm::dmat3(world_from_local.linear)) < 0.0;
     const uint32_t begin = static_cast<uint32_t>(mesh.corners.size());
     for (const glm::uvec3& c : from.corners) {
         const glm::uvec3 shifted = c + static_cast<uint32_t>(first);

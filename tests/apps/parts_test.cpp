@@ -1,6 +1,9 @@
 #include <csignal>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <glm/geometric.hpp>
 
 #include "apps/common/contact_sheet.h"
@@ -34,6 +37,8 @@ TEST(NumberedPath, FillsInTheNumberAsPrintfDoes) {
 TEST(Parse, FramesSizesAndPoints) {
     EXPECT_EQ(parse_frames("3-7").count(), 5);
     EXPECT_EQ(parse_frames("9").first, 9);
+    EXPECT_EQ(parse_frames("5-1000004").count(), kMaxFrameCount);
+    EXPECT_THROW(parse_frames("5-1000005"), UsageError);
     EXPECT_EQ(parse_size("640x360").height, 360);
     EXPECT_EQ(parse_point("1,-2.5,3e1", "--eye"), glm::vec3(1.0f, -2.5f, 30.0f));
     EXPECT_THROW(parse_frames(""), UsageError);
@@ -81,6 +86,53 @@ TEST(WriteFile, LeavesNothingBehindOnFailure) {
     std::filesystem::create_directory(folder / "b.txt");
     EXPECT_THROW(write_file(folder / "b.txt", "text"), std::runtime_error);
     EXPECT_EQ(list_files(folder.path()), (std::vector<std::string>{"a.txt", "b.txt"}));
+}
+
+TEST(WriteFile, LinkStaysAndWhatItLeadsToIsWritten) {
+    const TempFolder folder;
+    folder.write("deep/target.txt", "old");
+    std::filesystem::create_symlink("deep/target.txt", folder / "link.txt");
+    std::filesystem::create_symlink("link.txt", folder / "link_to_link.txt");
+    std::filesystem::create_symlink("deep/new.txt", folder / "dangling.txt");
+    std::filesystem::create_symlink("nowhere/new.txt", folder / "to_nowhere.txt");
+    std::filesystem::create_symlink("cycle.txt", folder / "cycle.txt");
+    for (const char* const name : {"link_to_link.txt", "dangling.txt"}) {
+        require_writable(folder / name);
+        write_file(folder / name, "longer");
+        EXPECT_TRUE(std::filesystem::is_symlink(folder / name)) << name;
+        EXPECT_EQ(std::filesystem::file_size(folder / name), 6u) << name;
+    }
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.txt"));
+    for (const char* const name : {"to_nowhere.txt", "cycle.txt"}) {
+        EXPECT_THROW(require_writable(folder / name), std::runtime_error) << name;
+        EXPECT_THROW(write_file(folder / name, "text"), std::runtime_error) << name;
+    }
+    EXPECT_EQ(list_files(folder.path()),
+              (std::vector<std::string>{"cycle.txt", "dangling.txt", "deep", "deep/new.txt", "deep/target.txt", "link.txt",
+                                        "link_to_link.txt", "to_nowhere.txt"}));
+}
+
+TEST(WriteFile, PipesAndDevicesAreWrittenInto) {
+    const TempFolder folder;
+    const std::filesystem::path pipe = folder / "pipe";
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+    ASSERT_GE(reader, 0);
+    require_writable(pipe);
+    write_file(pipe, "text");
+    char bytes[8] = {};
+    EXPECT_EQ(read(reader, bytes, sizeof bytes), 4);
+    EXPECT_STREQ(bytes, "text");
+    close(reader);
+    EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+
+    std::filesystem::create_symlink("/dev/null", folder / "null");
+    std::filesystem::create_symlink("/dev/full", folder / "full");
+    require_writable(folder / "null");
+    write_file(folder / "null", "text");
+    EXPECT_THROW(write_file(folder / "full", "text"), std::runtime_error);
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+    EXPECT_EQ(list_files(folder.path()), (std::vector<std::string>{"full", "null", "pipe"}));
 }
 
 TEST(ProgramPipe, TellsHowAProgramEnded) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/common/numbered_path.h"
 #include "engine/scene/image.h"
 #include "tests/apps/run_program.h"
 #include "tests/apps/small_scene.h"
@@ -142,6 +143,35 @@ TEST(Pictures, ResumeKeepsWhatIsThereAndMakesTheRest) {
     const Outcome nothing_left = run_demo(folder.path(), demo({"--frames", "0-2", "--resume", "--stats", "none.json"}));
     EXPECT_EQ(nothing_left.exit_code, 0) << nothing_left.err;
     EXPECT_EQ(Json::parse(read_bytes(folder / "none.json"))["frames"].size(), 0u);
+}
+
+TEST(Pictures, ResumeMakesEmptyPicturesAgain) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-2"})).exit_code, 0);
+    const std::string frame_1 = read_bytes(folder / "out/frame_0001.png");
+    folder.write("out/frame_0001.png", "");
+    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "0-2", "--resume"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(read_bytes(folder / "out/frame_0001.png"), frame_1);
+    EXPECT_NE(outcome.out.find("(2 were there already)"), std::string::npos) << outcome.out;
+}
+
+TEST(Pictures, ResumeWarnsOfPicturesOfAnotherSize) {
+    for (const char* const out : {"out/f%d.png", "out/f%d.exr"}) {
+        SCOPED_TRACE(out);
+        const TempFolder folder;
+        write_small_scene(folder);
+        ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-1", "--out", out})).exit_code, 0);
+        const std::string text = "of the pictures that are there, 2 are not 32x48";
+        const Outcome same = run_demo(folder.path(), demo({"--frames", "0-2", "--out", out, "--resume"}));
+        EXPECT_EQ(same.err.find("of the pictures"), std::string::npos) << same.err;
+        std::filesystem::remove(folder / NumberedPath(out)(2).native());
+        const Outcome other =
+            run_demo(folder.path(), demo({"--frames", "0-2", "--out", out, "--resume", "--size", "32x48"}));
+        EXPECT_EQ(other.exit_code, 0) << other.err;
+        EXPECT_NE(other.err.find(text), std::string::npos) << other.err;
+    }
 }
 
 TEST(Pictures, ThreadsDoNotMatter) {

@@ -23,10 +23,11 @@ void* operator new(size_t size, const std::nothrow_t&) noexcept {
     ++allocation_count;
     return std::malloc(size > 0 ? size : 1);
 }
-void operator delete(void* memory) noexcept {
+// Not inlined: the compiler would take malloc and free for a mismatch of new and delete.
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
     std::free(memory);
 }
-void operator delete(void* memory, size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept {
     std::free(memory);
 }
 
