@@ -15,6 +15,9 @@ void set_flag(int) {
 }  // namespace
 
 void catch_interrupts() {
+    static bool is_caught = false;
+    if (is_caught) return;  // after a first signal, the second must still end the program
+    is_caught = true;
     struct sigaction action = {};
     action.sa_handler = set_flag;
     sigemptyset(&action.sa_mask);

@@ -5,7 +5,8 @@
 
 namespace zoe {
 
-/// From now on SIGINT and SIGTERM only set `is_interrupted`; a second one ends the program at once.
+/// From now on SIGINT and SIGTERM only set `is_interrupted`; a second one ends the program at once. Called when there is
+/// something to leave whole: until then, the first signal ends the program. Further calls change nothing.
 void catch_interrupts();
 /// What long work looks at between its steps; fits RenderConfig::cancel.
 const std::atomic<bool>& is_interrupted();

@@ -1,6 +1,7 @@
 #include "apps/common/open_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -22,12 +23,29 @@ bool looks_like_file(const std::string& name) {
            std::filesystem::path(name).has_extension();
 }
 
-bool shows_triangles(const Scene& scene) {
-    const auto has_triangles = [&](MeshId mesh) { return mesh != kNone<MeshId> && !scene[mesh].corners.empty(); };
+/// Whether a shown mesh, be it only for a moment, is one that `matches`.
+template <typename Matches>
+bool shows(const Scene& scene, const Matches& matches) {
+    const auto is_match = [&](MeshId mesh) { return mesh != kNone<MeshId> && matches(scene[mesh]); };
     return std::any_of(scene.nodes.begin(), scene.nodes.end(), [&](const Node& node) {
         if (!node.is_shown) return false;
-        if (!node.sequence) return has_triangles(node.mesh);
-        return std::any_of(node.sequence->meshes.begin(), node.sequence->meshes.end(), has_triangles);
+        if (!node.sequence) return is_match(node.mesh);
+        return std::any_of(node.sequence->meshes.begin(), node.sequence->meshes.end(), is_match);
+    });
+}
+
+bool has_triangles(const Mesh& mesh) {
+    return !mesh.corners.empty();
+}
+
+/// Only triangles with finite corners can be hit, and no motion makes a corner finite.
+bool has_finite_triangles(const Mesh& mesh) {
+    const auto is_finite = [&](uint32_t vertex) {
+        const glm::vec3& p = mesh.positions[vertex];
+        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    };
+    return std::any_of(mesh.corners.begin(), mesh.corners.end(), [&](const glm::uvec3& corner) {
+        return is_finite(corner.x) && is_finite(corner.y) && is_finite(corner.z);
     });
 }
 
@@ -47,7 +65,10 @@ Content open_scene(const std::string& name, double fps) {
         content = make_content(name);  // its error lists the names
     }
     if (content.write) content.write(content.scene, 0.0);
-    if (!shows_triangles(content.scene)) throw SceneError(name, "", "the scene shows no mesh");
+    if (!shows(content.scene, has_triangles)) throw SceneError(name, "", "the scene shows no mesh");
+    // What is written may be finite later.
+    if (!content.write && !shows(content.scene, has_finite_triangles))
+        throw SceneError(name, "", "the scene shows no triangle with finite corners");
     return content;
 }
 

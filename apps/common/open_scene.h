@@ -11,7 +11,7 @@ namespace zoe {
 /// Opens what a user calls a scene: a name of the content list, a .glb or .gltf file, or a mesh sequence (wave_%04d.glb).
 /// fps        Of a sequence's meshes: one a frame.
 /// Returns    the scene with this project's writer where it has one; its written meshes are those of time 0.
-/// Throws     SceneError for what cannot be read, or shows no triangles.
+/// Throws     SceneError for what cannot be read, or shows no triangles that could be hit.
 Content open_scene(const std::string& name, double fps);
 
 /// Makes the frame at a time: the scene's own writer, then `advance`.

@@ -33,6 +33,8 @@ FrameRange parse_frames(std::string_view text) {
     const std::optional<int> last = dash == std::string_view::npos ? first : parse_count(text.substr(dash + 1), kMaxFrame);
     if (!first || !last) throw UsageError(fmt::format("--frames {}: give A-B or one number, such as 0-23", text));
     if (*last < *first) throw UsageError(fmt::format("--frames {}: the last frame comes before the first", text));
+    if (*last - *first >= kMaxFrameCount)
+        throw UsageError(fmt::format("--frames {}: too many; at most {} at once", text, kMaxFrameCount));
     return {*first, *last};
 }
 

@@ -27,6 +27,9 @@ std::optional<int> parse_count(std::string_view text, int max);
 /// A decimal number, finite, and nothing after it.
 std::optional<double> parse_number(std::string_view text);
 
+/// More frames than this at once are refused: each has a picture's name in memory, and a file in one folder.
+inline constexpr int kMaxFrameCount = 1'000'000;
+
 /// "3-7" or "3".
 /// Throws     UsageError that says what is wrong; so do the others below.
 FrameRange parse_frames(std::string_view text);

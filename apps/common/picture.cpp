@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -44,6 +46,29 @@ Picture load_picture(const std::filesystem::path& file) {
     }
     for (size_t i = 0; i < pixel_count; ++i) picture.rgba[4 * i + 3] = 255;
     return picture;
+}
+
+std::optional<PictureSize> read_picture_size(const std::filesystem::path& file) {
+    char bytes[4096];
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(bytes, sizeof bytes);
+    const std::string_view head(bytes, static_cast<size_t>(stream.gcount()));
+    const auto byte = [&](size_t at) { return uint32_t{static_cast<uint8_t>(head[at])}; };
+    if (head.starts_with("\x89PNG\r\n\x1a\n") && head.size() >= 24) {  // IHDR comes first: width, height
+        const auto big_endian = [&](size_t at) {
+            return static_cast<int>(byte(at) << 24 | byte(at + 1) << 16 | byte(at + 2) << 8 | byte(at + 3));
+        };
+        return PictureSize{big_endian(16), big_endian(20)};
+    }
+    constexpr std::string_view kWindow("dataWindow\0box2i\0\x10\0\0\0", 21);  // then the corners' x, y, both included
+    const size_t window = head.starts_with("\x76\x2f\x31\x01") ? head.find(kWindow) : std::string_view::npos;
+    if (window == std::string_view::npos || window + kWindow.size() + 16 > head.size()) return std::nullopt;
+    const auto little_endian = [&](size_t i) {
+        const size_t at = window + kWindow.size() + 4 * i;
+        return int64_t{static_cast<int32_t>(byte(at + 3) << 24 | byte(at + 2) << 16 | byte(at + 1) << 8 | byte(at))};
+    };
+    return PictureSize{static_cast<int>(little_endian(2) - little_endian(0) + 1),
+                       static_cast<int>(little_endian(3) - little_endian(1) + 1)};
 }
 
 Picture shrink(const Picture& picture, int max_width) {

@@ -2,7 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
+
+#include "apps/common/parse.h"
 
 namespace zoe {
 
@@ -15,6 +18,9 @@ struct Picture {
 /// Reads a picture that `write_film` wrote; an .exr is tone mapped as its .png would be.
 /// Throws     std::runtime_error with the file's name and the reason.
 Picture load_picture(const std::filesystem::path& file);
+
+/// The size that the first bytes of a .png or .exr file tell; none where they are not those of such a file.
+std::optional<PictureSize> read_picture_size(const std::filesystem::path& file);
 
 /// Shrinks by averaging so that the width is at most `max_width`; the shape stays.
 Picture shrink(const Picture& picture, int max_width);

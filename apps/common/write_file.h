@@ -5,8 +5,9 @@
 
 namespace zoe {
 
-/// Writes a whole file: to a temporary name beside it, then renamed, so that nobody sees half of it.
-/// Throws     std::runtime_error with the file's name and the reason; nothing is left behind.
+/// Writes a whole file: to a temporary name beside it, then renamed, so that nobody sees half of it. A symbolic link stays
+/// and what it leads to is written; a device or a pipe is written into.
+/// Throws     std::runtime_error with the file's name and the reason; no temporary file is left behind.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
 /// The name that `file` is written under before it is renamed: in the same folder, different for each process.

@@ -7,6 +7,7 @@
 #include "apps/common/contact_sheet.h"
 #include "apps/common/interrupt.h"
 #include "apps/common/mp4.h"
+#include "apps/common/picture.h"
 #include "apps/common/progress.h"
 #include "apps/common/stats_json.h"
 #include "apps/common/trace_events.h"
@@ -43,6 +44,7 @@ FrameStats make_frame(Content& content, const Options& options, const ViewChoice
     const Tlas& tlas = advance(content, frame / options.fps, &stats);
     run->events.add_stages(advance_begin, stats, frame);
     if (run->stats.threads == 0) run->stats = describe_run(options.scene, content.scene, tlas);
+    catch_interrupts();  // the first `advance` may be long, and until here nothing was written
 
     const View view = view_choice.view(content.scene, float(film->width) / float(film->height));
     const int spp = options.spp.value_or(kDefaultSpp);
@@ -61,18 +63,39 @@ FrameStats make_frame(Content& content, const Options& options, const ViewChoice
     return stats;
 }
 
-void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
-    const PictureSize size = options.size.value_or(kDefaultSize);
-    Film film(size.width, size.height);
+/// Lists the frames whose pictures are to be made: with --resume, those that are not there.
+/// Throws     std::runtime_error where a picture's name is a folder's.
+std::vector<int> find_missing(const Options& options, PictureSize size, Run* run) {
     std::vector<int> missing;
+    int other_size_count = 0;
     std::error_code error;
     for (int frame = options.frames.first; frame <= options.frames.last; ++frame) {
         run->pictures.push_back(options.out(frame));
-        const bool is_skipped = options.is_resumed && std::filesystem::exists(run->pictures.back(), error);
-        if (!is_skipped) missing.push_back(frame);
+        const std::filesystem::path& picture = run->pictures.back();
+        const std::filesystem::file_status status = std::filesystem::status(picture, error);
+        if (std::filesystem::is_directory(status))
+            throw std::runtime_error(fmt::format("{}: cannot be written: it is a folder", picture.native()));
+        // A file system that filled up leaves empty files.
+        if (!options.is_resumed || !std::filesystem::is_regular_file(status) ||
+            std::filesystem::file_size(picture, error) == 0) {
+            missing.push_back(frame);
+            continue;
+        }
+        const PictureSize other = read_picture_size(picture).value_or(size);
+        if (other.width != size.width || other.height != size.height) ++other_size_count;
     }
     run->skipped_count = options.frames.count() - static_cast<int>(missing.size());
+    if (other_size_count > 0) {
+        fmt::print(stderr, "zoetrope-demo: warning: of the pictures that are there, {} are not {}x{}\n", other_size_count,
+                   size.width, size.height);
+    }
+    return missing;
+}
 
+void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
+    const PictureSize size = options.size.value_or(kDefaultSize);
+    Film film(size.width, size.height);
+    const std::vector<int> missing = find_missing(options, size, run);
     Progress progress("rendering", static_cast<double>(missing.size()));
     for (size_t i = 0; i < missing.size(); ++i) {
         const int frame = missing[i];
@@ -137,6 +160,7 @@ void run_headless(Content& content, const Options& options) {
         if (run.pictures.size() > 1) fmt::print(" ... {}", run.pictures.back().filename().native());
         fmt::print("{}\n", run.skipped_count > 0 ? fmt::format(" ({} were there already)", run.skipped_count) : "");
         std::fflush(stdout);
+        catch_interrupts();  // where every picture was there already
         if (run.pictures.size() > 1) write_overviews(options, run);
     } catch (const Interrupted&) {
         throw Interrupted(fmt::format("interrupted; the pictures in {} are whole, and --resume goes on after them",

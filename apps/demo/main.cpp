@@ -32,6 +32,7 @@ void run(const zoe::Options& options) {
         try {
             zoe::run_window(content, options);
         } catch (const zoe::NoWindow& error) {
+            if (options.screenshot) throw std::runtime_error(fmt::format("--screenshot: no window: {}", error.what()));
             fmt::print("no window ({}): rendering into {}\n", error.what(), options.out.folder().native());
             std::fflush(stdout);
             is_headless = true;
@@ -47,7 +48,6 @@ int main(int argc, char** argv) {
     try {
         const std::optional<zoe::Options> options = zoe::parse_options(argc, argv);
         if (!options) return 0;
-        zoe::catch_interrupts();
         run(*options);
         return 0;
     } catch (const zoe::UsageError& error) {

@@ -1,5 +1,7 @@
 #include "apps/demo/options.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -79,7 +81,8 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
     app.add_option("--out", texts.out, "Pictures' names, .png or .exr (out/frame_%04d.png)")
         ->type_name("PATTERN")
         ->group(pictures);
-    app.add_flag("--resume", options.is_resumed, "Skip pictures that are there already")->group(pictures);
+    app.add_flag("--resume", options.is_resumed, "Skip pictures that are there already (empty files do not count)")
+        ->group(pictures);
     app.add_option("--stats", options.stats, "Times and counts of every frame, as JSON")->type_name("FILE")->group(pictures);
     app.add_option("--trace", options.trace, "Chrome trace events of every stage (chrome://tracing)")
         ->type_name("FILE")
@@ -117,6 +120,11 @@ void check_view(const CLI::App& app, Options& options, const Texts& texts) {
 
 void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     if (app.count("--frames")) options.frames = parse_frames(texts.frames);
+    const std::pair<const char*, const std::optional<std::string>&> files[] = {
+        {"--stats", options.stats}, {"--trace", options.trace}, {"--screenshot", options.screenshot}};
+    for (const auto& [name, file] : files)
+        require(!app.count(name) || !file.value_or("").empty(), fmt::format("{}: the file's name is empty", name));
+    require(!app.count("--out") || !texts.out.empty(), "--out: the file's name is empty");
     if (app.count("--out")) options.out = NumberedPath(texts.out);
     const std::string extension = options.out.extension();
     require(extension == ".png" || extension == ".exr", fmt::format("--out {}: the name ends in .png or .exr", texts.out));

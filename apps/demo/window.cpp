@@ -54,6 +54,7 @@ void run_window(Content& content, const Options& options) {
     WindowState state = first_state(content, options);
     state.texture = window.texture();
 
+    catch_interrupts();
     LiveRenderer renderer(content, options.spp.value_or(kDefaultMaxSamples), &GlWindow::wake);
     double last_s = window.seconds(), last_new_s = last_s;
     const double begin_s = last_s;

@@ -9,7 +9,7 @@
 namespace zoe {
 
 struct GltfOptions {
-    std::optional<int> scene;                 ///< Which of the file's scenes; else the file's default, else the first.
+    std::optional<int> scene = std::nullopt;  ///< Which of the file's scenes; else the file's default, else the first.
     bool load_images = true;                  ///< False: Scene::images keeps names only.
     uint64_t max_pixels = uint64_t{1} << 28;  ///< Of all images together, 4 bytes each; those beyond keep their names only.
 };

@@ -94,7 +94,8 @@ size_t read_content(const std::string& uri, const std::string& place, std::map<s
             std::error_code failure;
             const uint64_t size = std::filesystem::file_size(path, failure);
             if (!failure && size > bytes_left) {
-                file.fail(place, fmt::format("more than {} bytes in the file and its buffers together", kMaxFileBytes));
+                throw std::runtime_error(
+                    fmt::format("more than {} bytes in the file and its buffers together", kMaxFileBytes));
             }
             bytes = read_whole_file(path, bytes_left);
         }

@@ -9,7 +9,7 @@ namespace zoe {
 namespace {
 
 constexpr size_t kMaxNodes = size_t{1} << 21;
-constexpr uint64_t kMaxFreeInstances = 100000;  // Whatever the file's size; 4 bytes of the file allow one more.
+constexpr uint64_t kMaxFreeInstances = 100000;  // Of any file; a larger one may have one for 4 bytes.
 constexpr size_t kMaxCopies = size_t{1} << 26;  // Weights, sequence entries and channels that instances may repeat.
 
 /// Reads one of the extension's attributes; empty where it is missing.

@@ -124,7 +124,8 @@ TEST(BadScene, NanVerticesBesideFiniteTrianglesAreAWarning) {
     json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 76}, {"byteLength", 36}});
     json["accessors"].push_back(json["accessors"][0]);
     json["accessors"][3]["bufferView"] = 3;
-    json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 3}}}}}}});
+    json["meshes"].push_back(json["meshes"][0]);
+    json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 3;
     json["nodes"][1]["mesh"] = 1;
     write_small_scene(folder, json);
     folder.write("scene.bin", small_buffer(std::numeric_limits<float>::quiet_NaN()) + small_buffer().substr(0, 36));

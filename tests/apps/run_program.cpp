@@ -82,7 +82,7 @@ Outcome run_demo(const std::string& folder, const std::vector<std::string>& argu
 std::vector<std::string> list_files(const std::string& folder) {
     std::vector<std::string> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-        files.push_back(std::filesystem::relative(entry.path(), folder));
+        files.push_back(entry.path().lexically_relative(folder));
     }
     std::sort(files.begin(), files.end());
     return files;

@@ -10,6 +10,9 @@
 #include "engine/frame/frame.h"
 #include "engine/math/parallel.h"
 
+// Once inlined, malloc and free look like a mismatch of new and delete.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
 namespace {
 std::atomic<size_t> allocation_count{0};
 }
@@ -23,11 +26,10 @@ void* operator new(size_t size, const std::nothrow_t&) noexcept {
     ++allocation_count;
     return std::malloc(size > 0 ? size : 1);
 }
-// Not inlined: the compiler would take malloc and free for a mismatch of new and delete.
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
+void operator delete(void* memory) noexcept {
     std::free(memory);
 }
-[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept {
+void operator delete(void* memory, size_t) noexcept {
     std::free(memory);
 }
 

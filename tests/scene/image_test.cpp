@@ -43,6 +43,19 @@ TEST(Picture, PngComesBackBitForBitAlphaIncluded) {
     EXPECT_NEAR(back.values[9], pixels[9] / 255.0f, 1e-6f);
 }
 
+TEST(Picture, ImagesAboveTheLimitAreNotDecoded) {
+    const TempFolder folder;
+    write_png(folder / "a.png", 7, 5, random_pixels(7 * 5 * 4, 4));
+    const std::vector<std::byte> bytes = bytes_of(folder / "a.png");
+    Image image;
+    std::string error;
+    EXPECT_FALSE(decode_image(bytes, &image, &error, 34));
+    EXPECT_EQ(error, "7 x 5 pixels, more than the 34 that are left for images");
+    EXPECT_EQ(image.pixels.capacity(), 0u);
+    EXPECT_EQ(image.width, 0);
+    EXPECT_TRUE(decode_image(bytes, &image, &error, 35));
+}
+
 TEST(Picture, TruncatedFilesAreRefused) {
     const TempFolder folder;
     write_png(folder / "a.png", 16, 16, random_pixels(16 * 16 * 4, 2));

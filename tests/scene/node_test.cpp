@@ -89,6 +89,17 @@ TEST(NodeReader, ExtrasAskForMotionAndMeshSequences) {
     EXPECT_NE(glb.error().find("/nodes/1/extras/mesh_sequence/meshes/0"), std::string::npos);
 }
 
+TEST(NodeReader, SkinsAndWeightsOfMeshSequencesAreCounted) {
+    GlbBuilder glb = make_rich_glb();
+    glb.json["nodes"][0]["extras"]["mesh_sequence"]["meshes"] = {0};
+    const std::string skin = "a node with extras.mesh_sequence and a skin: the skin is ignored";
+    const std::string weights = "a node with extras.mesh_sequence and morph weights: the weights are ignored";
+    EXPECT_EQ(glb.load().warnings().count(skin), 1u);
+    EXPECT_EQ(glb.load().warnings().count(weights), 0u);
+    glb.json["nodes"][0]["weights"] = {0.5};
+    EXPECT_EQ(glb.load().warnings().count(weights), 1u);
+}
+
 TEST(NodeReader, InstancesBecomeChildrenThatShowTheMesh) {
     GlbBuilder glb;
     glb.triangle();
@@ -111,6 +122,14 @@ TEST(NodeReader, InstancesBecomeChildrenThatShowTheMesh) {
 
     glb.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["SCALE"] = glb.floats({1, 1, 1}, "VEC3");
     EXPECT_NE(glb.error().find("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes"), std::string::npos);
+}
+
+TEST(NodeReader, CamerasWithoutTheirDescriptionAreNamed) {
+    GlbBuilder glb = make_rich_glb();
+    glb.push("cameras", {{"type", "orthographic"}});
+    EXPECT_NE(glb.error().find("/cameras/1: 'orthographic' is missing"), std::string::npos);
+    glb.json["cameras"][0].erase("perspective");
+    EXPECT_NE(glb.error().find("/cameras/0: 'perspective' is missing"), std::string::npos);
 }
 
 TEST(NodeReader, CamerasAndLightsAreRead) {

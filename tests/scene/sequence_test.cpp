@@ -60,6 +60,22 @@ TEST(Sequence, SkinsAndMorphTargetsStandAtRest) {
     EXPECT_NEAR(scene.meshes[0].positions[3].z, 1.0f, 1e-6f);
 }
 
+TEST(Sequence, MirrorsTurnTrianglesBackUnderSkinsAndAtAnyScale) {
+    const TempFolder folder;
+    GlbBuilder skinned = make_rich_glb();
+    write_file(folder / "a_1.glb", skinned.glb());
+    skinned.json["nodes"][0]["scale"] = {-1, 1, 1};
+    write_file(folder / "b_1.glb", skinned.glb());
+    const glm::uvec3 plain = load_sequence((folder / "a_%d.glb").string()).meshes[0].corners[0];
+    EXPECT_EQ(load_sequence((folder / "b_%d.glb").string()).meshes[0].corners[0], glm::uvec3(plain.x, plain.z, plain.y));
+
+    GlbBuilder tiny;  // The determinant is no float.
+    tiny.triangle();
+    tiny.json["nodes"][0]["scale"] = {-1e-16, 1e-16, 1e-16};
+    write_file(folder / "c_1.glb", tiny.glb());
+    EXPECT_EQ(load_sequence((folder / "c_%d.glb").string()).meshes[0].corners[0], glm::uvec3(0, 2, 1));
+}
+
 TEST(Sequence, GapsAndBrokenFilesAreRefused) {
     const TempFolder folder;
     GlbBuilder glb;

@@ -1,0 +1,145 @@
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "tests/scene/glb_builder.h"
+
+namespace zoe::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(GltfLimits, SmallFilesDoNotFillTheMemory) {
+    const std::string reason = "far more data than the file holds bytes";
+    GlbBuilder shared;  // Many meshes that show one large accessor which no bytes back.
+    const int zeros = shared.accessor_of(-1, kFloat, "VEC3", 3000000);
+    for (int i = 0; i < 100; ++i) shared.mesh({{"attributes", {{"POSITION", zeros}}}});
+    EXPECT_NE(shared.error().find(reason), std::string::npos);
+
+    GlbBuilder repeated;  // Many primitives without indices over the same vertices.
+    repeated.mesh({{"attributes", {{"POSITION", repeated.accessor_of(-1, kFloat, "VEC3", 3000000)}}}});
+    nlohmann::json& primitives = repeated.json["meshes"][0]["primitives"];
+    for (int i = 0; i < 100; ++i) primitives.push_back(primitives[0]);
+    EXPECT_NE(repeated.error().find(reason), std::string::npos);
+
+    GlbBuilder targets;  // Morph targets that are filled in for the primitives that name none.
+    const int few = targets.accessor_of(-1, kFloat, "VEC3", 3);
+    const int many = targets.accessor_of(-1, kFloat, "VEC3", 1000000);
+    nlohmann::json with = nlohmann::json::array(), without = nlohmann::json::array();
+    for (int i = 0; i < 1000; ++i) {
+        with.push_back({{"POSITION", few}});
+        without.push_back(nlohmann::json::object());
+    }
+    targets.push("meshes", {{"primitives",
+                             {{{"attributes", {{"POSITION", few}}}, {"targets", with}},
+                              {{"attributes", {{"POSITION", many}}}, {"targets", without}}}}});
+    EXPECT_NE(targets.error().find(reason), std::string::npos);
+
+    GlbBuilder instances;
+    instances.triangle();
+    instances.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+        instances.accessor_of(-1, kFloat, "VEC3", 4000000);
+    EXPECT_NE(instances.error().find("/nodes/0/extensions/EXT_mesh_gpu_instancing"), std::string::npos);
+}
+
+TEST(GltfLimits, BuffersThatNameOneFileShareItsBytes) {
+    const TempFolder folder;
+    write_file(folder / "a.bin", std::string(1 << 20, '\0'));
+    GlbBuilder glb;
+    for (int i = 0; i < 1000; ++i) {
+        std::string uri = "a.bin";
+        for (int k = 0; k < i % 3; ++k) uri = "./" + uri;  // The same file by other names.
+        glb.push("buffers", {{"byteLength", i % 2 == 0 ? 1 << 20 : 12}, {"uri", uri}});
+    }
+    glb.push("bufferViews", {{"buffer", 998}, {"byteOffset", 36}, {"byteLength", 36}});
+    glb.mesh({{"attributes", {{"POSITION", glb.accessor_of(0, kFloat, "VEC3", 3)}}}});
+    write_file(folder / "scene.gltf", glb.json.dump());
+    EXPECT_EQ(load_error(folder / "scene.gltf"), "");
+
+    // More numbers than one megabyte backs, fewer than a thousand would.
+    GlbBuilder zeros = glb;
+    zeros.mesh({{"attributes", {{"POSITION", zeros.accessor_of(-1, kFloat, "VEC3", 12000000)}}}});
+    write_file(folder / "zeros.gltf", zeros.json.dump());
+    EXPECT_NE(load_error(folder / "zeros.gltf").find("far more data than the file holds bytes"), std::string::npos);
+
+    glb.json["bufferViews"][0]["buffer"] = 999;  // Its own length counts, not the file's.
+    write_file(folder / "scene.gltf", glb.json.dump());
+    EXPECT_NE(load_error(folder / "scene.gltf").find("/bufferViews/0"), std::string::npos);
+}
+
+TEST(GltfLimits, TheBuffersTogetherHaveALimit) {
+    const TempFolder folder;
+    write_file(folder / "small.bin", std::string(64, '\0'));
+    write_file(folder / "large.bin", "");
+    fs::resize_file(folder / "large.bin", (uint64_t{1} << 32) - 64);  // A hole: no bytes on the disk.
+    GlbBuilder glb;
+    glb.push("buffers", {{"byteLength", 64}, {"uri", "small.bin"}});
+    glb.push("buffers", {{"byteLength", 64}, {"uri", "large.bin"}});
+    write_file(folder / "scene.gltf", glb.json.dump());
+    const std::string error = load_error(folder / "scene.gltf");
+    EXPECT_NE(error.find("/buffers/1/uri: large.bin: more than 4294967296 bytes"), std::string::npos) << error;
+}
+
+TEST(GltfLimits, InstancesAreAsManyAsTheFileBacks) {
+    constexpr size_t kLimit = 100000;
+    const auto glb_of = [](size_t count, bool is_backed) {
+        GlbBuilder glb;
+        glb.triangle();
+        const int accessor =
+            is_backed ? glb.floats(std::vector<float>(3 * count, 0.0f), "VEC3") : glb.accessor_of(-1, kFloat, "VEC3", count);
+        glb.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = accessor;
+        return glb;
+    };
+    EXPECT_EQ(glb_of(kLimit, false).load().nodes.size(), kLimit + 1);
+    const std::string error = glb_of(kLimit + 1, false).error();
+    EXPECT_NE(error.find("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION: 100001 instances"),
+              std::string::npos)
+        << error;
+    EXPECT_EQ(glb_of(kLimit + 50000, true).load().nodes.size(), kLimit + 50001);
+
+    GlbBuilder two_nodes = glb_of(60000, false);
+    two_nodes.push("nodes", two_nodes.json["nodes"][0]);
+    EXPECT_NE(two_nodes.error().find("/nodes/1/"), std::string::npos);
+}
+
+TEST(GltfLimits, NodesThatShowZerosAreCounted) {
+    GlbBuilder glb;
+    glb.mesh({{"attributes", {{"POSITION", glb.accessor_of(-1, kFloat, "VEC3", 300000)}}}});
+    for (int i = 0; i < 10; ++i) glb.push("nodes", {{"mesh", 0}});
+    EXPECT_EQ(glb.error(), "");
+    for (int i = 0; i < 90; ++i) glb.push("nodes", {{"mesh", 0}});
+    const std::string error = glb.error();
+    EXPECT_NE(error.find("/nodes/"), std::string::npos) << error;
+    EXPECT_NE(error.find("far more data than the file holds bytes"), std::string::npos) << error;
+}
+
+TEST(GltfLimits, ImagesShareTheirPixelsAndTheirLimit) {
+    const TempFolder folder;
+    const std::vector<uint8_t> grey(8 * 8 * 4, 128);
+    write_png(folder / "a.png", 8, 8, grey);
+    GlbBuilder glb;
+    for (const char* uri : {"a.png", "./a.png", "a.png", "missing.png", "missing.png"}) {
+        const int image = glb.push("images", {{"uri", uri}});
+        const int texture = glb.push("textures", {{"source", image}});
+        glb.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+    }
+    write_file(folder / "scene.gltf", glb.json.dump());
+    const Scene whole = load_gltf(folder / "scene.gltf");
+    for (size_t i = 0; i < 3; ++i) EXPECT_EQ(whole.images[i].pixels, grey) << i;
+    EXPECT_EQ(whole.images[2].width, 8);
+    EXPECT_EQ(whole.warnings().size(), 2u) << "the missing ones";
+
+    for (const uint64_t max_pixels : {uint64_t{3 * 64 - 1}, uint64_t{2 * 64}}) {
+        const Scene scene = load_gltf(folder / "scene.gltf", {.max_pixels = max_pixels});
+        EXPECT_EQ(scene.images[1].pixels, grey);
+        EXPECT_EQ(scene.images[2].pixels.capacity(), 0u);
+        EXPECT_EQ(scene.images[2].width, 0);
+        EXPECT_EQ(scene.warnings().size(), 3u);
+    }
+    const Scene none = load_gltf(folder / "scene.gltf", {.max_pixels = 63});
+    for (size_t i = 0; i < 3; ++i) EXPECT_EQ(none.images[i].pixels.capacity(), 0u) << i;
+    EXPECT_EQ(none.warnings().size(), 5u);
+}
+
+}  // namespace
+}  // namespace zoe::test
