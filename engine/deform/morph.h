@@ -16,6 +16,7 @@ struct MorphTarget {
 /// out = base + sum of weights[i] * targets[i]. Targets with weight 0 cost nothing.
 /// base, out  [vertex_count]; may be empty (no normals).
 /// weights    [target_count]; missing ones count as 0.
+/// Source     The glTF 2.0 specification, 3.7.2.2, Morph Targets.
 void morph_positions(std::span<const glm::vec3> base, std::span<const MorphTarget> targets, std::span<const float> weights,
                      std::span<glm::vec3> out);
 /// The same for normals. The result is not normalised.

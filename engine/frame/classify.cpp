@@ -51,7 +51,7 @@ std::vector<NodeMotion> classify(const Scene& scene) {
     for (uint32_t k = 0; k < node_count; ++k) {
         const Node& node = scene.nodes[k];
         NodeMotion& motion = motions[k];
-        bool is_deforming = false;
+        bool is_deforming = false, is_moving = false;
         if (is_skinned(scene, node)) {
             // A skin's vertices live where its joints are; the node's own transform does not matter.
             const Skin& skin = scene.skins[index(node.skin)];
@@ -62,16 +62,16 @@ std::vector<NodeMotion> classify(const Scene& scene) {
                 if (is_used[joint] && mover[index(skin.joints[joint])] != motion.frame) is_deforming = true;
             }
             if (is_deforming) motion.frame = kNone<NodeId>;
-            motion.moves = motion.frame != kNone<NodeId>;
+            is_moving = motion.frame != kNone<NodeId>;
         } else {
             motion.frame = NodeId{k};
-            motion.moves = mover[k] != kNone<NodeId>;
+            is_moving = mover[k] != kNone<NodeId>;
         }
         if (node.mesh != kNone<MeshId> && !node.sequence && !scene[node.mesh].targets.empty() && animated.weights[k])
             is_deforming = true;
         motion.content = is_arbitrary(scene, node) ? Motion::kArbitrary
                          : is_deforming            ? Motion::kDeforming
-                         : motion.moves            ? Motion::kRigid
+                         : is_moving               ? Motion::kRigid
                                                    : Motion::kStatic;
         motion.motion = std::max(motion.content, node.motion.value_or(Motion::kStatic));
     }

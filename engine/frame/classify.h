@@ -13,7 +13,6 @@ struct NodeMotion {
     /// The node whose space the vertices are in after `deform`: the node itself; for a skin, the nearest animated node
     /// that all its joints hang from; none: world space.
     NodeId frame = kNone<NodeId>;
-    bool moves = false;  ///< The frame node's world matrix is animated.
 };
 
 /// Works out the motion class of every node from channels, skins, morph targets, sequences and writes.

@@ -11,23 +11,13 @@ namespace zoe {
 
 namespace {
 
-// Adds the time until it ends to a field.
-class Timer {
-public:
-    explicit Timer(double* ms) : ms_(ms), start_(Clock::now()) {}
-    ~Timer() { *ms_ += std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
-    Timer(const Timer&) = delete;
-
-private:
-    using Clock = std::chrono::steady_clock;
-    double* ms_;
-    Clock::time_point start_;
-};
-
+// Adds what the stage takes to a field.
 template <typename Stage>
 void timed(double* ms, Stage&& stage) {
-    const Timer timer(ms);
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
     stage();
+    *ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 // Nodes, meshes or a first write that came since the state was made ask for a new one.

@@ -8,26 +8,26 @@ namespace zoe {
 namespace {
 
 // The nodes between a skin's frame node and its joints.
+// position   [node_count] all kNoPathNode, here and on return: one scratch array for all skins.
 SkinPath find_path(const Scene& scene, const Skin& skin, std::span<const uint8_t> is_used, NodeId frame,
-                   std::span<const uint32_t> rank) {
+                   std::span<const uint32_t> rank, std::span<uint32_t> position) {
     SkinPath path;
-    std::vector<uint8_t> is_on_path(scene.nodes.size(), 0);
-    is_on_path[index(frame)] = 1;
-    path.nodes.push_back(frame);
+    const auto add = [&](NodeId node) {
+        position[index(node)] = 0;
+        path.nodes.push_back(node);
+    };
+    add(frame);
     for (size_t joint = 0; joint < skin.joints.size(); ++joint) {
         if (!is_used[joint]) continue;
-        for (NodeId node = skin.joints[joint]; !is_on_path[index(node)]; node = scene[node].parent) {
-            is_on_path[index(node)] = 1;
-            path.nodes.push_back(node);
-        }
+        for (NodeId node = skin.joints[joint]; position[index(node)] == kNoPathNode; node = scene[node].parent) add(node);
     }
     std::sort(path.nodes.begin(), path.nodes.end(), [&](NodeId a, NodeId b) { return rank[index(a)] < rank[index(b)]; });
-    std::vector<uint32_t> position(scene.nodes.size(), kNoPathNode);
     for (uint32_t k = 0; k < path.nodes.size(); ++k) position[index(path.nodes[k])] = k;
     for (const NodeId node : path.nodes) path.parents.push_back(node == frame ? 0 : position[index(scene[node].parent)]);
     for (size_t joint = 0; joint < skin.joints.size(); ++joint) {
         path.joints.push_back(is_used[joint] ? position[index(skin.joints[joint])] : kNoPathNode);
     }
+    for (const NodeId node : path.nodes) position[index(node)] = kNoPathNode;
     path.frame_from_node.resize(path.nodes.size());
     return path;
 }
@@ -56,7 +56,7 @@ void prepare(Scene& scene, FrameState* state) {
     state->written_mesh_count = count_written_meshes(scene);
     warn_of_refused_motion(scene, state->motions);
 
-    std::vector<uint32_t> rank(node_count);
+    std::vector<uint32_t> rank(node_count), position(node_count, kNoPathNode);
     for (uint32_t k = 0; k < node_count; ++k) rank[index(state->parents_first[k])] = k;
     for (uint32_t k = 0; k < node_count; ++k) {
         const Node& node = scene.nodes[k];
@@ -70,7 +70,7 @@ void prepare(Scene& scene, FrameState* state) {
         if (shape.has_skin && shape.motion.frame != kNone<NodeId>) {
             const Skin& skin = scene.skins[index(node.skin)];
             const auto is_used = used_joints(scene[node.mesh].binding, skin.joints.size());
-            shape.skin_path = find_path(scene, skin, is_used, shape.motion.frame, rank);
+            shape.skin_path = find_path(scene, skin, is_used, shape.motion.frame, rank, position);
         }
     }
     for (Shape& shape : state->shapes) {

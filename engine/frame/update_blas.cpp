@@ -1,5 +1,4 @@
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/frame/frame.h"
@@ -32,13 +31,12 @@ Action action_for(const Shape& shape) {
     return kMethods[static_cast<int>(shape.motion.motion)].is_refitted ? Action::kRefit : Action::kRebuild;
 }
 
-void update(const Scene& scene, Action action, Shape* shape) {
+void update(const Scene& scene, Shape* shape) {
     const Mesh& mesh = scene[shape->mesh];
-    const BlasBuilder builder = kMethods[static_cast<int>(shape->motion.motion)].builder;
-    if (action == Action::kRefit) {
+    if (action_for(*shape) == Action::kRefit) {
         refit_blas(shape->positions, mesh.corners, shape->blas);
-    } else if (action == Action::kRebuild) {
-        build_blas(shape->positions, mesh.corners, builder, shape->blas);
+    } else {
+        build_blas(shape->positions, mesh.corners, kMethods[static_cast<int>(shape->motion.motion)].builder, shape->blas);
     }
     shape->has_blas = true;
 }
@@ -47,7 +45,7 @@ void update(const Scene& scene, Action action, Shape* shape) {
 
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     // A shared BLAS is built by the first node that shows it; the work list holds every tree once.
-    thread_local std::vector<std::pair<Shape*, Action>> work;
+    std::vector<Shape*>& work = state->blas_work;
     work.clear();
     for (Shape& shape : state->shapes) {
         const Action action = action_for(shape);
@@ -59,13 +57,12 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
             continue;
         }
         if (is_shared) state->is_shared_blas_built[index(shape.mesh)] = 1;
-        work.emplace_back(&shape, action);
+        work.push_back(&shape);
     }
-    auto& jobs = work;  // The caller's, not the workers' own.
-    parallel_for(0, jobs.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) update(scene, jobs[k].second, jobs[k].first);
+    parallel_for(0, work.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) update(scene, work[k]);
     });
-    for (const auto& [shape, action] : jobs) {
+    for (const Shape* shape : work) {
         if (const uint32_t count = shape->blas->not_finite_count; count > 0) {
             scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +
                        "': triangles with NaN or infinite corners are never hit");

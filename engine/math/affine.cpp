@@ -16,16 +16,6 @@ Affine to_affine(const Trs& trs) {
     return {linear, trs.translation};
 }
 
-Affine to_affine(const glm::mat4& m) {
-    return {glm::mat3(m), glm::vec3(m[3])};
-}
-
-glm::mat4 to_mat4(const Affine& a) {
-    glm::mat4 m(a.linear);
-    m[3] = glm::vec4(a.translation, 1.0f);
-    return m;
-}
-
 bool is_finite(const Affine& a) {
     for (int column = 0; column < 3; ++column) {
         for (int row = 0; row < 3; ++row) {

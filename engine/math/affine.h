@@ -2,7 +2,6 @@
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
-#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 #include "engine/math/aabb.h"
@@ -29,9 +28,6 @@ struct Trs {
 
 Affine operator*(const Affine& a, const Affine& b);
 Affine to_affine(const Trs& trs);
-/// The upper 3x4 of a column-major matrix. The bottom row is not read.
-Affine to_affine(const glm::mat4& matrix);
-glm::mat4 to_mat4(const Affine& a);
 
 /// Inverse, worked out in double precision.
 /// Returns    false, and leaves `inverse` alone, where the map is singular or not finite (a zero scale hides a node).

@@ -49,7 +49,7 @@ View view_from_camera(const Scene& scene, NodeId node, float aspect) {
     View view;
     view.origin = world_from_camera.translation;
     view.is_perspective = camera.is_perspective;
-    // Scale, shear and mirror of the node do not change what a camera sees: only its directions count.
+    // Only the directions of the node's axes count, not their lengths; a negative scale along z turns the camera round.
     const glm::vec3 back = unit_or(world_from_camera.linear[2], glm::vec3(0, 0, 1));
     set_axes(back, unit_or(world_from_camera.linear[1], glm::vec3(0, 1, 0)), &view);
 

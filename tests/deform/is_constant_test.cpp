@@ -5,21 +5,10 @@
 
 #include "engine/deform/sample.h"
 #include "engine/math/rng.h"
+#include "tests/deform/samplers.h"
 
 namespace zoe::test {
 namespace {
-
-using Values = std::vector<float>;
-
-Values at(const Sampler& sampler, double time_s) {
-    Values out(sampler.width, -99.0f);
-    sample(sampler, time_s, out);
-    return out;
-}
-
-Sampler of(Interpolation interpolation, uint32_t width, Values times_s, Values values, bool is_rotation = false) {
-    return {interpolation, is_rotation, width, std::move(times_s), std::move(values)};
-}
 
 TEST(IsConstant, WhereAllKeysAreEqual) {
     for (const Interpolation interpolation : {Interpolation::kStep, Interpolation::kLinear}) {

@@ -5,23 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/deform/samplers.h"
 #include "tests/math/random_inputs.h"
 
 namespace zoe::test {
 namespace {
 
-using Values = std::vector<float>;
 constexpr float kHalf = 0.70710678f;  // sin and cos of an eighth turn.
-
-Values at(const Sampler& sampler, double time_s) {
-    Values out(sampler.width, -99.0f);
-    sample(sampler, time_s, out);
-    return out;
-}
-
-Sampler of(Interpolation interpolation, uint32_t width, Values times_s, Values values, bool is_rotation = false) {
-    return {interpolation, is_rotation, width, std::move(times_s), std::move(values)};
-}
 
 void expect_near(const Values& actual, const Values& expected, double bound, const char* what = "") {
     ASSERT_EQ(actual.size(), expected.size());

@@ -67,16 +67,6 @@ TEST(Affine, TrsScalesThenRotatesThenMoves) {
     EXPECT_NEAR(image.z, 30.0f, 1e-5f);
 }
 
-TEST(Affine, MatrixRoundTripIsExactAndTheBottomRowIsNotRead) {
-    Rng rng(22);
-    const Affine a = random_affine(rng, 0.1, 10.0, 5.0f);
-    glm::mat4 matrix = to_mat4(a);
-    EXPECT_EQ(to_affine(matrix), a);
-    EXPECT_EQ(matrix[3], glm::vec4(a.translation, 1.0f));
-    for (int column = 0; column < 4; ++column) matrix[column][3] = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_EQ(to_affine(matrix), a);
-}
-
 TEST(Affine, InverseUndoesTheMapAtScalesFromMillionthsToMillions) {
     const uint64_t seed = 23;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

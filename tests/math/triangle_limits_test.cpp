@@ -7,21 +7,13 @@
 
 #include "engine/math/triangle.h"
 #include "tests/math/random_inputs.h"
+#include "tests/math/shoot.h"
 
 namespace zoe::test {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-bool shoot(const Ray& ray, const Triangle& triangle, TriangleHit* hit) {
-    return intersect(RayFrame(ray), triangle, 0.0f, ray.t_min, ray.t_max, hit);
-}
-
-bool shoot(const Ray& ray, const Triangle& triangle) {
-    TriangleHit hit;
-    return shoot(ray, triangle, &hit);
-}
 
 TEST(Triangle, BehindTheRayIsMissedEvenWhereItsBoxHoldsTheOrigin) {
     const Triangle triangle{{-10, -10, -10}, {10, -10, 10}, {0, 10, 0}, 0};

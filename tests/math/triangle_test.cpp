@@ -7,20 +7,12 @@
 #include <glm/ext/vector_double3.hpp>
 
 #include "tests/math/random_inputs.h"
+#include "tests/math/shoot.h"
 
 namespace zoe::test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<float>::epsilon();
-
-bool shoot(const Ray& ray, const Triangle& triangle, TriangleHit* hit) {
-    return intersect(RayFrame(ray), triangle, 0.0f, ray.t_min, ray.t_max, hit);
-}
-
-bool shoot(const Ray& ray, const Triangle& triangle) {
-    TriangleHit hit;
-    return shoot(ray, triangle, &hit);
-}
 
 /// Where a ray meets a triangle's plane, in double, and how far rounding to float may move it.
 struct Reference {
