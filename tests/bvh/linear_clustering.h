@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/bvh/bvh.h"
+
+namespace zoe::test {
+
+/// What agglomerative clustering has not merged yet, in a plain list.
+struct ListedCluster {
+    Aabb bounds;
+    uint32_t id;  ///< Boxes first, then unions in the order made.
+};
+
+/// Position of the cluster that makes the least (half area of the union, lower id, higher id) with the one at `position`, by
+/// comparing with every other.
+size_t linear_best_partner(std::span<const ListedCluster> list, size_t position);
+
+/// The tree of `build_agglomerative`, by its definition: the nearest-neighbour chain with a linear search, O(n^2). Shares no
+/// code with the engine but for boxes.
+Bvh linear_clustering(std::span<const Aabb> boxes);
+
+}  // namespace zoe::test
