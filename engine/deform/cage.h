@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+namespace zoe {
+
+enum class SubdivisionScheme {
+    kCatmullClark,  ///< Faces of any size.
+    kLoop,          ///< Triangles only.
+};
+
+/// What the surface does where the cage ends.
+enum class BoundaryRule {
+    kNone,           ///< Faces at the boundary only shape their neighbours: they make no surface.
+    kEdge,           ///< The boundary is a smooth curve.
+    kEdgeAndCorner,  ///< The same, and a vertex of one face alone stays where it is.
+};
+
+/// What texture coordinates do at their seams and boundaries.
+enum class UvRule {
+    kSmooth,      ///< Curves everywhere.
+    kCorners,     ///< Curves that keep their corners.
+    kBoundaries,  ///< Polylines; smooth inside only.
+    kLinear,      ///< Bilinear everywhere.
+};
+
+/// The topology of a subdivision surface's control mesh: plain arrays, no positions, since those change by frame.
+struct Cage {
+    SubdivisionScheme scheme = SubdivisionScheme::kCatmullClark;
+    BoundaryRule boundary = BoundaryRule::kEdgeAndCorner;
+    UvRule uv_rule = UvRule::kCorners;
+    std::vector<uint32_t> face_sizes;  ///< [face_count] vertices of each face.
+    std::vector<uint32_t> vertices;    ///< [corner_count] the faces' vertices one after another, counter-clockwise.
+    std::vector<std::array<uint32_t, 2>> crease_edges;  ///< Edges that are creased, by their two vertices.
+    std::vector<float> crease_sharpness;                ///< [crease] 0 smooth; 10 and more: sharp at every level.
+    std::vector<uint32_t> corner_vertices;              ///< Vertices that are sharpened.
+    std::vector<float> corner_sharpness;                ///< [corner vertex] as for creases.
+    std::vector<glm::vec2> uvs;                         ///< Face-varying texture coordinates, or empty.
+    std::vector<uint32_t> uv_corners;                   ///< [corner_count] indices into uvs, or empty.
+};
+
+/// The bounds of what `make_subdivision` accepts.
+inline constexpr int kMaxSubdivisionLevel = 8;
+inline constexpr uint64_t kMaxStencilEntries = uint64_t{1} << 28;
+
+/// Triangles that `level` rounds of subdivision make of a cage whose faces have `face_sizes`; boundary faces count.
+/// Returns    the number, or UINT64_MAX where it has more than 64 bits.
+uint64_t count_triangles(const Cage& cage, int level);
+
+/// Tells whether a cage can be subdivided: indices in range, proper faces, at most two faces an edge and one fan of faces a
+/// vertex, all wound alike, creases that exist, numbers that are numbers, and a bounded result. Vertices without a face are
+/// legal.
+/// vertex_count   of the cage positions.
+/// Returns    the text of the first fault, with the face or edge it is at; empty where there is none.
+/// Cost       O(corners log corners).
+std::string check(const Cage& cage, size_t vertex_count, int level);
+
+}  // namespace zoe
