@@ -1,0 +1,156 @@
+#include "engine/bvh/epo.h"
+
+#include <array>
+#include <cassert>
+#include <utility>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "engine/bvh/small_stack.h"
+#include "engine/math/parallel.h"
+
+namespace zoe {
+
+namespace {
+
+constexpr size_t kGrain = 256;
+
+// A convex polygon in double. A plane adds one vertex to it, unless rounding made it slightly concave: then n vertices, i of
+// them inside, leave at most i + 2 min(i, n - i). From 3 vertices, six planes lead to no more than 28.
+struct Polygon {
+    static constexpr int kCapacity = 28;
+    std::array<glm::dvec3, kCapacity> points;
+    int count = 0;
+
+    void add(const glm::dvec3& point) { points[count++] = point; }
+};
+
+double area(const Polygon& polygon) {
+    glm::dvec3 sum(0.0);
+    for (int k = 2; k < polygon.count; ++k) {
+        sum += glm::cross(polygon.points[k - 1] - polygon.points[0], polygon.points[k] - polygon.points[0]);
+    }
+    return 0.5 * glm::length(sum);
+}
+
+// Cuts off what lies at sign * x > sign * plane along an axis.
+// Returns    false where nothing does: `kept` was not written.
+bool clip(const Polygon& polygon, int axis, double plane, double sign, Polygon* kept) {
+    const auto is_inside = [&](const glm::dvec3& p) { return sign * p[axis] <= sign * plane; };
+    int inside_count = 0;
+    for (int k = 0; k < polygon.count; ++k) inside_count += is_inside(polygon.points[k]) ? 1 : 0;
+    if (inside_count == polygon.count) return false;
+    kept->count = 0;
+    for (int k = 0; inside_count > 0 && k < polygon.count; ++k) {
+        const glm::dvec3& p = polygon.points[k];
+        const glm::dvec3& q = polygon.points[k + 1 < polygon.count ? k + 1 : 0];
+        if (is_inside(p)) kept->add(p);
+        if (is_inside(p) == is_inside(q)) continue;
+        // From the inside out, so that an edge is cut in the same place from both of its ends.
+        const glm::dvec3& in = is_inside(p) ? p : q;
+        const glm::dvec3& out = is_inside(p) ? q : p;
+        glm::dvec3 cut = in + (out - in) * ((plane - in[axis]) / (out[axis] - in[axis]));
+        cut[axis] = plane;
+        kept->add(cut);
+    }
+    return true;
+}
+
+Polygon polygon_of(const Triangle& t) {
+    Polygon polygon;
+    for (const glm::vec3& corner : {t.a, t.b, t.c}) polygon.add(glm::dvec3(corner));
+    return polygon;
+}
+
+double area_inside(const Polygon& triangle, const BvhNode& box) {
+    std::array<Polygon, 2> cuts;  // Taken in turns.
+    const Polygon* left = &triangle;
+    int turn = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (clip(*left, axis, box.lo[axis], -1.0, &cuts[turn])) left = &cuts[std::exchange(turn, 1 - turn)];
+        if (clip(*left, axis, box.hi[axis], 1.0, &cuts[turn])) left = &cuts[std::exchange(turn, 1 - turn)];
+    }
+    return area(*left);
+}
+
+bool overlaps(const BvhNode& node, const Aabb& box) {
+    return node.lo.x <= box.hi.x && box.lo.x <= node.hi.x && node.lo.y <= box.hi.y && box.lo.y <= node.hi.y &&
+           node.lo.z <= box.hi.z && box.lo.z <= node.hi.z;
+}
+
+// Numbers the triangles as the walk down the tree meets them, so that every subtree's numbers are a range.
+class Ranks {
+public:
+    explicit Ranks(const Bvh& bvh) : begin_(bvh.nodes.size()), count_(bvh.nodes.size()), rank_of_(bvh.primitives.size()) {
+        for (size_t k = bvh.nodes.size(); k-- > 0;) {
+            const BvhNode& node = bvh.nodes[k];
+            count_[k] = node.is_leaf() ? node.count : count_[node.first] + count_[node.first + 1];
+        }
+        for (size_t k = 0; k < bvh.nodes.size(); ++k) {
+            const BvhNode& node = bvh.nodes[k];
+            if (node.is_leaf()) {
+                for (uint32_t i = 0; i < node.count; ++i) rank_of_[node.first + i] = begin_[k] + i;
+            } else {
+                begin_[node.first] = begin_[k];
+                begin_[node.first + 1] = begin_[k] + count_[node.first];
+            }
+        }
+    }
+    bool is_under(uint32_t node, size_t slot) const { return rank_of_[slot] - begin_[node] < count_[node]; }
+
+private:
+    std::vector<uint32_t> begin_, count_;  // [node_count]
+    std::vector<uint32_t> rank_of_;        // [primitive_count] by slot.
+};
+
+// Cost of the nodes that a triangle reaches into from outside, times its area in each.
+double overlap_of(const Bvh& bvh, const Ranks& ranks, size_t slot, const Triangle& triangle, double whole_area) {
+    const Aabb box = bounds(triangle);
+    const Polygon polygon = polygon_of(triangle);
+    double sum = 0.0;
+    SmallStack<uint32_t, 64> open;
+    open.push(0);
+    while (!open.is_empty()) {
+        const uint32_t index = open.pop();
+        const BvhNode& node = bvh.nodes[index];
+        if (!ranks.is_under(index, slot)) {
+            if (!overlaps(node, box)) continue;
+            const double inside = node.bounds().contains(box) ? whole_area : area_inside(polygon, node);
+            if (inside == 0.0) continue;  // Nor is there any in the boxes within this one.
+            sum += inside * (node.is_leaf() ? node.count : 1.0);
+        }
+        if (node.is_leaf()) continue;
+        open.push(node.first + 1);
+        open.push(node.first);
+    }
+    return sum;
+}
+
+}  // namespace
+
+double epo_cost(const Bvh& bvh, std::span<const Triangle> triangles) {
+    assert(triangles.size() == bvh.primitives.size());
+    const Ranks ranks(bvh);
+    struct Addend {
+        double area = 0.0, overlap = 0.0;
+    };
+    std::vector<Addend> addends(triangles.size());
+    parallel_for(0, triangles.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t slot = begin; slot < end; ++slot) {
+            const Triangle& t = triangles[slot];
+            if (!is_finite(t.a) || !is_finite(t.b) || !is_finite(t.c)) continue;
+            const double whole_area = area(polygon_of(t));
+            if (whole_area == 0.0) continue;
+            addends[slot] = {whole_area, overlap_of(bvh, ranks, slot, t, whole_area)};
+        }
+    });
+    Addend sum;  // In the order of the slots, so that threads do not show.
+    for (const Addend& addend : addends) {
+        sum.area += addend.area;
+        sum.overlap += addend.overlap;
+    }
+    return sum.area > 0.0 ? sum.overlap / sum.area : 0.0;
+}
+
+}  // namespace zoe
