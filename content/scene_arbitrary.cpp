@@ -33,7 +33,7 @@ Shards break_up(const Mesh& mesh, size_t triangle_count) {
         const glm::vec3 middle = (mesh.positions[c.x] + mesh.positions[c.y] + mesh.positions[c.z]) / 3.0f;
         for (int k = 0; k < 3; ++k) shards.rest.push_back(mesh.positions[c[k]]);
         const glm::vec3 noise(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
-        shards.flights.push_back({middle, rng.uniform(0.6f, 1.8f) * (glm::normalize(middle) + 0.35f * noise),
+        shards.flights.push_back({middle, rng.uniform(0.3f, 1.0f) * (glm::normalize(middle) + 0.35f * noise),
                                   glm::normalize(noise + glm::vec3(1e-3f)), rng.uniform(-1.5f, 1.5f)});
         const auto first = static_cast<uint32_t>(3 * i);
         shards.corners.push_back({first, first + 1, first + 2});
@@ -60,7 +60,7 @@ void fly(Shards& shards, double time_s) {
 
 }  // namespace
 
-std::function<void(Scene&, double)> add_explosion(Scene& scene, int triangle_count, const glm::vec3& place) {
+std::function<void(Scene&, double)> add_explosion(Scene& scene, int triangle_count, const Trs& placed) {
     const int rings = std::max(3, static_cast<int>(std::lround(std::sqrt(static_cast<float>(triangle_count) / 4.0f))));
     const Mesh ball = make_sphere(0.8f, 2 * rings, rings + 1);  // 4 rings^2 triangles.
     auto shards = std::make_shared<Shards>(break_up(ball, static_cast<size_t>(triangle_count)));
@@ -69,7 +69,7 @@ std::function<void(Scene&, double)> add_explosion(Scene& scene, int triangle_cou
     set_material(mesh, add_color(scene, "shards", 0xa8483f));
     Node node;
     node.name = "shards";
-    node.local.translation = place;
+    node.local = placed;
     const MeshId id = scene.add(std::move(mesh));
     node.mesh = id;
     scene.add(std::move(node));
@@ -83,12 +83,14 @@ std::function<void(Scene&, double)> add_explosion(Scene& scene, int triangle_cou
 
 Content make_arbitrary_scene(int size) {
     Content content;
-    content.write = add_explosion(content.scene, size, glm::vec3(0.0f));
+    content.write = add_explosion(content.scene, size, Trs{});
+    add_view(content.scene, {0.25f, 0.3f, 1.15f}, glm::vec3(0.0f), 50.0f);
     return content;
 }
 
-// Five drops that meet and part; the number of vertices and triangles is another one in nearly every frame.
+// Seven drops that meet and part; the number of vertices and triangles is another one in nearly every frame.
 Content make_topology_scene(int size) {
+    constexpr int kDrops = 7;
     Content content;
     Mesh mesh;
     mesh.name = "drops";
@@ -99,33 +101,23 @@ Content make_topology_scene(int size) {
     node.mesh = id;
     content.scene.add(std::move(node));
     content.write = [id, size](Scene& scene, double time_s) {
-        glm::vec3 centres[5];
-        for (int i = 0; i < 5; ++i) {
+        glm::vec3 centres[kDrops];
+        for (int i = 0; i < kDrops; ++i) {
             const float turn = static_cast<float>(2.0 * std::numbers::pi * time_s / kLoop_s),
-                        phase = 1.2566f * static_cast<float>(i);
+                        phase = 2.0f * kPi * static_cast<float>(i) / kDrops;
             centres[i] =
                 0.55f * glm::vec3(std::sin(turn + phase), std::cos(2 * turn + 1.7f * phase), std::sin(turn - 2 * phase));
         }
         const auto field = [&](const glm::vec3& p) {
             float sum = 0.0f;
-            for (const glm::vec3& c : centres) sum += 0.06f / (glm::dot(p - c, p - c) + 0.02f);
+            for (const glm::vec3& c : centres) sum += 0.08f / (glm::dot(p - c, p - c) + 0.02f);
             return 1.0f - sum;
         };
         const Mesh drops = polygonise(field, {glm::vec3(-1.4f), glm::vec3(1.4f)}, 2.8f / static_cast<float>(size));
         scene.write_mesh(id, drops.positions, drops.normals, drops.corners);
     };
     content.write(content.scene, 0.0);
-    return content;
-}
-
-// All classes in one room.
-Content make_mixed_scene(int size) {
-    Content content;
-    Scene& scene = content.scene;
-    add_slats(scene, 2000 * size);
-    add_orbits(scene, 4 * size);
-    add_wave(scene, 24 * size, {0, 0.5f, 0});
-    content.write = add_explosion(scene, 1000 * size, {0, 2.6f, 0});
+    add_view(content.scene, {0.4f, 0.5f, 1.9f}, glm::vec3(0.0f), 36.0f);
     return content;
 }
 

@@ -57,6 +57,7 @@ void add_wave(Scene& scene, int quads_a_side, const glm::vec3& place) {
 Content make_deforming_scene(int size) {
     Content content;
     add_wave(content.scene, size, glm::vec3(0.0f));
+    add_view(content.scene, {0.3f, 1.3f, 1.9f}, {0.0f, -0.1f, 0.4f}, 45.0f);
     return content;
 }
 
@@ -124,18 +125,29 @@ Sampler swing_of(const Bone& bone, float figure_phase) {
 
 }  // namespace
 
-// Walkers on a ring. All show one mesh; each has joints and a skin of its own, and its own phase.
+// Walkers on rings, eight on each; rings stand side by side. All show one mesh; each has joints and a skin of its own, and
+// its own phase.
 Content make_skinned_scene(int size) {
+    constexpr int kRing = 8;
+    constexpr float kRadius = 1.2f, kApart = 2.9f;  // Metres.
     Content content;
     Scene& scene = content.scene;
     const MeshId mesh = scene.add(make_walker(add_color(scene, "walker", 0xb5725a)));
-    const float radius = std::max(1.2f, 0.2f * static_cast<float>(size));
-    Node ring;
-    ring.name = "ring";
-    const NodeId ring_id = scene.add(std::move(ring));
-    add_channel(scene, ring_id, ChannelPath::kRotation, add_sampler(scene, spin({0, 1, 0}, 1, 0.0f)));
+    const int ring_count = (size + kRing - 1) / kRing;
+    const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<float>(ring_count))));
+    NodeId ring_id = kNone<NodeId>;
     for (int i = 0; i < size; ++i) {
-        const float share = static_cast<float>(i) / static_cast<float>(size);
+        const int ring = i / kRing;
+        if (i % kRing == 0) {
+            Node node;
+            node.name = "ring " + std::to_string(ring);
+            node.local.translation = {kApart * (static_cast<float>(ring % columns) - 0.5f * static_cast<float>(columns - 1)),
+                                      0, -kApart * static_cast<float>(ring / columns)};
+            ring_id = scene.add(std::move(node));
+            add_channel(scene, ring_id, ChannelPath::kRotation, add_sampler(scene, spin({0, 1, 0}, 1, 0.0f)));
+        }
+        const int on_ring = std::min(kRing, size - kRing * ring);
+        const float share = static_cast<float>(i % kRing) / static_cast<float>(on_ring);
         Skin skin;
         skin.name = "walker " + std::to_string(i);
         for (const Bone& bone : kBones) {
@@ -147,13 +159,16 @@ Content make_skinned_scene(int size) {
                 bone.place - (is_root ? glm::vec3(0.0f) : kBones[static_cast<size_t>(bone.parent)].place);
             if (is_root) {
                 const float angle = 2.0f * kPi * share;
-                joint.local.translation += radius * glm::vec3(std::cos(angle), 0, -std::sin(angle));
+                joint.local.translation += kRadius * glm::vec3(std::cos(angle), 0, -std::sin(angle));
                 joint.local.rotation = glm::angleAxis(angle + kPi, glm::vec3(0, 1, 0));
             }
             const NodeId id = scene.add(std::move(joint));
             skin.joints.push_back(id);
             skin.joint_from_mesh.push_back(at(-bone.place));
-            if (!is_root) add_channel(scene, id, ChannelPath::kRotation, add_sampler(scene, swing_of(bone, share)));
+            if (!is_root) {
+                const float phase = share + 0.381966f * static_cast<float>(ring);
+                add_channel(scene, id, ChannelPath::kRotation, add_sampler(scene, swing_of(bone, phase)));
+            }
         }
         Node node;
         node.name = skin.name;
@@ -162,6 +177,7 @@ Content make_skinned_scene(int size) {
         scene.skins.push_back(std::move(skin));
         scene.add(std::move(node));
     }
+    add_view(scene, {0.2f, 1.55f, 2.0f}, {0.0f, 1.05f, 0.0f}, 35.0f);
     return content;
 }
 

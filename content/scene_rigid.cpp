@@ -10,13 +10,13 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 // Keys of a circle in the XZ plane around a centre, with a rise and fall.
-Sampler circle_path(const glm::vec3& centre, float radius, float phase) {
+Sampler circle_path(const glm::vec3& centre, float radius, float rise, float phase) {
     Sampler sampler{.width = 3};
     for (int k = 0; k <= 32; ++k) {
         const float share = static_cast<float>(k) / 32.0f, angle = 2.0f * kPi * (share + phase);
         sampler.times_s.push_back(static_cast<float>(kLoop_s) * share);
         sampler.values.insert(sampler.values.end(),
-                              {centre.x + radius * std::cos(angle), centre.y + 0.3f * std::sin(2.0f * angle),
+                              {centre.x + radius * std::cos(angle), centre.y + rise * std::sin(2.0f * angle),
                                centre.z + radius * std::sin(angle)});
     }
     return sampler;
@@ -24,30 +24,39 @@ Sampler circle_path(const glm::vec3& centre, float radius, float phase) {
 
 }  // namespace
 
+Lattice orbit_lattice(int copy_count) {
+    return make_lattice(copy_count, 0.9f);
+}
+
 // One torus of 1,000 triangles; each copy goes round a circle of its own and turns.
-void add_orbits(Scene& scene, int copy_count) {
+void add_orbits(Scene& scene, int copy_count, const Trs& placed) {
     Mesh torus = make_torus(0.3f, 0.12f, 25, 20);
     torus.name = "torus";
     set_material(torus, add_color(scene, "torus", 0xc08a3e));
     const MeshId mesh = scene.add(std::move(torus));
-    const int side = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<float>(copy_count)))));
+    Node swarm;
+    swarm.name = "swarm";
+    swarm.local = placed;
+    const NodeId swarm_id = scene.add(std::move(swarm));
+    const Lattice lattice = orbit_lattice(copy_count);
     for (int i = 0; i < copy_count; ++i) {
-        const auto column = static_cast<float>(i % side), row = static_cast<float>(i / side);
-        const float middle = 0.5f * static_cast<float>(side - 1), phase = 0.381966f * static_cast<float>(i);
+        const float phase = 0.381966f * static_cast<float>(i);
         Node node;
         node.name = "orbit " + std::to_string(i);
+        node.parent = swarm_id;
         node.mesh = mesh;
         const NodeId id = scene.add(std::move(node));
-        const glm::vec3 centre(1.3f * (column - middle), 1.5f, 1.3f * (row - middle)),
-            axis(std::cos(phase), std::sin(phase), 0);
-        add_channel(scene, id, ChannelPath::kTranslation, add_sampler(scene, circle_path(centre, 0.4f, phase)));
+        const glm::vec3 axis(std::cos(phase), std::sin(phase), 0);
+        add_channel(scene, id, ChannelPath::kTranslation,
+                    add_sampler(scene, circle_path(lattice.place(i), 0.25f, 0.2f, phase)));
         add_channel(scene, id, ChannelPath::kRotation, add_sampler(scene, spin(axis, 1 + i % 3, 40.0f * phase)));
     }
 }
 
 Content make_rigid_scene(int size) {
     Content content;
-    add_orbits(content.scene, size);
+    add_orbits(content.scene, size, Trs{});
+    add_view(content.scene, orbit_lattice(size));
     return content;
 }
 
@@ -66,26 +75,26 @@ Content make_instances_scene(int size) {
         turns[k] = add_sampler(
             scene, spin(glm::vec3(std::sin(2 * kPi * phase), std::cos(2 * kPi * phase), 0), 1 + k % 2, 360 * phase));
     }
-    const int side = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<float>(size)))));
-    const float middle = 0.5f * static_cast<float>(side - 1);
+    const Lattice lattice = make_lattice(size, 0.6f);
     NodeId row = kNone<NodeId>;
     for (int i = 0; i < size; ++i) {
-        const int column = i % side;
-        if (column == 0) {
-            const float phase = static_cast<float>(i / side) / static_cast<float>(side);
+        const int row_index = i / lattice.count.x;
+        const glm::vec3 place = lattice.place(i), centre(0, place.y, place.z);
+        if (i % lattice.count.x == 0) {
+            const float phase = 0.381966f * static_cast<float>(row_index);
             Node parent;
-            parent.name = "row " + std::to_string(i / side);
+            parent.name = "row " + std::to_string(row_index);
             row = scene.add(std::move(parent));
-            const glm::vec3 centre(0, 0.5f * std::sin(2 * kPi * phase), 0.6f * (static_cast<float>(i / side) - middle));
-            add_channel(scene, row, ChannelPath::kTranslation, add_sampler(scene, circle_path(centre, 0.5f, phase)));
+            add_channel(scene, row, ChannelPath::kTranslation, add_sampler(scene, circle_path(centre, 0.3f, 0.2f, phase)));
         }
         Node node;
         node.name = "seed " + std::to_string(i);
         node.parent = row;
         node.mesh = mesh;
-        node.local.translation = {0.6f * (static_cast<float>(column) - middle), 0, 0};
-        add_channel(scene, scene.add(std::move(node)), ChannelPath::kRotation, turns[(i * 5 + i / side) % 8]);
+        node.local.translation = place - centre;
+        add_channel(scene, scene.add(std::move(node)), ChannelPath::kRotation, turns[(i * 5 + row_index) % 8]);
     }
+    add_view(scene, lattice);
     return content;
 }
 

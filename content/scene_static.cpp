@@ -15,38 +15,68 @@ Node shown(const char* name, MeshId mesh) {
     return node;
 }
 
+constexpr float kHalf = 4.0f, kHeight = 4.0f;  // Of the room, metres.
+
+// Boards side by side across a surface of the room: from wall to wall along its Z, spread over its X, standing out along Y.
+struct Panelling {
+    float span, length;
+    float cover;  // Share of the surface that boards cover.
+    Affine placed;
+};
+
+void add_boards(Mesh& boards, const Panelling& panelling, int count, MaterialId material) {
+    const float pitch = panelling.span / static_cast<float>(count);
+    const glm::vec3 half(0.5f * panelling.cover * pitch, 0.0f, 0.5f * panelling.length);
+    const Mesh board = make_box(-half, half + glm::vec3(0, 0.25f * pitch, 0));
+    for (int i = 0; i < count; ++i) {
+        const float x = pitch * (static_cast<float>(i) + 0.5f) - 0.5f * panelling.span;
+        append(boards, board, panelling.placed * at({x, 0, 0}), material);
+    }
+}
+
 }  // namespace
 
-// A room 8 m wide: half of its triangles are poles that lean at all angles and boards along the floor and walls, long and
-// thin, which split planes cannot part; the rest are small balls among them.
-void add_slats(Scene& scene, int triangle_count) {
+// Half of the triangles are poles that lean at all angles and boards along floor, walls and ceiling, long and thin, which
+// split planes cannot part; the rest are small balls among them. The more there are, the smaller: one can
+// look through the room at any size.
+void add_room(Scene& scene, int triangle_count) {
     Rng rng(2024);
     const MaterialId wood = add_color(scene, "boards", 0xa47c52), iron = add_color(scene, "poles", 0x4c5a66);
     const MaterialId glazed = add_color(scene, "balls", 0xc46a4a), lime = add_color(scene, "walls", 0xd8d0c0);
     Mesh walls, boards, poles, balls;
-    append(walls, make_box({-4, -0.1f, -4}, {4, 0, 4}), {}, lime);
-    append(walls, make_box({-4, 0, -4.1f}, {4, 4, -4}), {}, lime);
-    append(walls, make_box({-4.1f, 0, -4}, {-4, 4, 4}), {}, lime);
+    append(walls, make_box({-kHalf, -0.1f, -kHalf}, {kHalf, 0, kHalf}), {}, lime);
+    append(walls, make_box({-kHalf, 0, -kHalf - 0.1f}, {kHalf, kHeight, -kHalf}), {}, lime);
+    append(walls, make_box({-kHalf - 0.1f, 0, -kHalf}, {-kHalf, kHeight, kHalf}), {}, lime);
+    append(walls, make_box({kHalf, 0, -kHalf}, {kHalf + 0.1f, kHeight, kHalf}), {}, lime);
 
-    const int board_count = std::max(1, triangle_count / 48);
-    const float width = 8.0f / static_cast<float>(board_count);
-    for (int i = 0; i < board_count; ++i) {
-        const float x = -4.0f + width * static_cast<float>(i);
-        append(boards, make_box({x + 0.1f * width, 0, -4}, {x + 0.9f * width, 0.02f, 4}), {}, wood);
+    const Panelling panellings[] = {
+        {2 * kHalf, 2 * kHalf, 0.9f, {}},                                             // Floor.
+        {2 * kHalf, kHeight, 0.6f, at({0, 0.5f * kHeight, -kHalf}, 90, {1, 0, 0})},   // Back wall.
+        {kHeight, 2 * kHalf, 0.6f, at({-kHalf, 0.5f * kHeight, 0}, -90, {0, 0, 1})},  // Left wall.
+        {kHeight, 2 * kHalf, 0.6f, at({kHalf, 0.5f * kHeight, 0}, 90, {0, 0, 1})},    // Right wall.
+        {2 * kHalf, 2 * kHalf, 0.25f, at({0, kHeight, 0}, 90, {0, 1, 0})},            // Ceiling.
+    };
+    constexpr int kPanellings = static_cast<int>(std::size(panellings));
+    const int board_count = triangle_count / 48 + 1, pole_count = board_count;
+    for (int k = 0; k < kPanellings; ++k) {
+        const int count = (board_count + kPanellings - 1 - k) / kPanellings;
+        if (count > 0) add_boards(boards, panellings[k], count, wood);
     }
-    const int pole_count = std::max(1, triangle_count / 48);
+    const float scale = std::min(1.0f, std::cbrt(200.0f / static_cast<float>(pole_count)));
     for (int i = 0; i < pole_count; ++i) {
-        const float length = rng.uniform(1.0f, 3.5f), thick = rng.uniform(0.004f, 0.02f);
-        const glm::vec3 middle(rng.uniform(-3, 3), rng.uniform(0.8f, 3), rng.uniform(-3, 3));
+        const float length = scale * rng.uniform(1.0f, 3.5f), thick = scale * rng.uniform(0.004f, 0.02f);
+        glm::vec3 middle(0.0f);
+        while (std::abs(middle.x) < 2.2f && middle.z > -2.2f)  // Along the walls; the middle stays free.
+            middle = {rng.uniform(-3.5f, 3.5f), rng.uniform(0.8f, 3), rng.uniform(-3.5f, 3.0f)};
         const glm::vec3 axis(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1) + 1e-3f);
         append(poles, make_box({-thick, -0.5f * length, -thick}, {thick, 0.5f * length, thick}),
                at(middle, rng.uniform(0, 360), axis), iron);
     }
     const Mesh ball = make_sphere(1.0f, 10, 6);
-    const int ball_count = std::max(1, triangle_count / (2 * static_cast<int>(ball.corners.size())));
+    const int ball_count = triangle_count / (2 * static_cast<int>(ball.corners.size())) + 1;
     for (int i = 0; i < ball_count; ++i) {
         const glm::vec3 middle(rng.uniform(-3.7f, 3.7f), rng.uniform(0.1f, 3), rng.uniform(-3.7f, 3.7f));
-        append(balls, ball, at(middle, 0.0f, {0, 1, 0}, glm::vec3(rng.uniform(0.03f, 0.12f))), glazed);
+        append(balls, ball, at(middle, 0.0f, {0, 1, 0}, glm::vec3(scale * rng.uniform(0.03f, 0.12f))), glazed);
     }
     scene.add(shown("walls", scene.add(std::move(walls))));
     scene.add(shown("boards", scene.add(std::move(boards))));
@@ -56,7 +86,8 @@ void add_slats(Scene& scene, int triangle_count) {
 
 Content make_static_scene(int size) {
     Content content;
-    add_slats(content.scene, size);
+    add_room(content.scene, size);
+    add_view(content.scene, {1.4f, 1.9f, 3.9f}, {-0.6f, 1.5f, -2.0f}, 60.0f);
     return content;
 }
 

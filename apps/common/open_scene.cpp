@@ -13,14 +13,16 @@
 namespace zoe {
 namespace {
 
-bool is_content(const std::string& name) {
-    const std::span<const ContentInfo> list = content_list();
-    return std::any_of(list.begin(), list.end(), [&](const ContentInfo& info) { return name == info.name; });
-}
-
 bool looks_like_file(const std::string& name) {
     return std::filesystem::exists(name) || name.find('/') != std::string::npos ||
            std::filesystem::path(name).has_extension();
+}
+
+/// NAME and NAME-SIZE come before files and folders that are called so. "rigid-1.5" is a broken size, "rigid-1.glb" a file.
+bool is_content(const std::string& name) {
+    const std::string extension = std::filesystem::path(name).extension();
+    const bool is_file_name = extension.size() > 1 && !(extension[1] >= '0' && extension[1] <= '9');
+    return is_content_name(name) && name.find('/') == std::string::npos && !is_file_name;
 }
 
 /// Whether a shown mesh, be it only for a moment, is one that `matches`.

@@ -8,7 +8,8 @@
 
 namespace zoe {
 
-/// Opens what a user calls a scene: a name of the content list, a .glb or .gltf file, or a mesh sequence (wave_%04d.glb).
+/// Opens what a user calls a scene: NAME or NAME-SIZE of the content list, a .glb or .gltf file, or a mesh sequence
+/// (wave_%04d.glb).
 /// fps        Of a sequence's meshes: one a frame.
 /// Returns    the scene with this project's writer where it has one; its written meshes are those of time 0.
 /// Throws     SceneError for what cannot be read, or shows no triangles that could be hit.

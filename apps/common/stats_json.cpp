@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -34,11 +35,59 @@ Json numbers_json(const FrameStats& stats) {
               {"shadow", kind_json(stats.shadow)}}}};
 }
 
+Json numbers_json(const PeerStats& peer) {
+    return {
+        {"update_ms", peer.update_ms},
+        {"build_tlas_ms", peer.build_tlas_ms},
+        {"trace_ms", peer.trace_ms},
+        {"frame_ms", peer.frame_ms()},
+        {"rays", peer.rays},
+        {"disagreements", peer.disagreements},
+        {"kinds",
+         {{"primary", kind_json(peer.primary)}, {"diffuse", kind_json(peer.diffuse)}, {"shadow", kind_json(peer.shadow)}}}};
+}
+
+Json numbers_json(const FrameRecord& record) {
+    Json json = numbers_json(record.stats);
+    if (record.peer) json["peer"] = numbers_json(*record.peer);
+    return json;
+}
+
 Json frame_json(const FrameRecord& record) {
     Json frame = {{"frame", record.frame}};
-    frame.update(numbers_json(record.stats));
+    frame.update(numbers_json(record));
     frame["hits_hash"] = fmt::format("{:016x}", record.stats.hits_hash);
     return frame;
+}
+
+// JSON has no NaN.
+Json number_or_null(double value) {
+    return std::isnan(value) ? Json(nullptr) : Json(value);
+}
+
+Json ratios_json(const Ratios& ratios) {
+    return {{"update", number_or_null(ratios.update)},
+            {"primary", number_or_null(ratios.primary)},
+            {"diffuse", number_or_null(ratios.diffuse)},
+            {"shadow", number_or_null(ratios.shadow)},
+            {"frame", number_or_null(ratios.frame)}};
+}
+
+Json peer_json(const PeerRun& peer, const std::vector<FrameRecord>& frames) {
+    Json tried = Json::array();
+    for (const PeerRun::Tried& t : peer.tried) {
+        tried.push_back({{"configuration", t.configuration}, {"frame_ms", t.frame_ms}});
+    }
+    return {{"name", peer.name},
+            {"configuration", peer.configuration},
+            {"tried", tried},
+            {"ratios", ratios_json(ratios_to_peer(frames))},
+            {"disagreements",
+             {{"ours_right", peer.ours_right},
+              {"peer_right", peer.peer_right},
+              {"either_right", peer.either_right},
+              {"neither_right", peer.neither_right},
+              {"not_judged", peer.not_judged}}}};
 }
 
 /// Field by field, over frames of the same shape.
@@ -49,7 +98,7 @@ Json percentile_json(const std::vector<Json>& frames, double share) {
         if (first.is_object()) {
             std::vector<Json> inner;
             for (const Json& frame : frames) inner.push_back(frame[key]);
-            result[key] = percentile_json(inner, share);  // two levels, of this file's own making
+            result[key] = percentile_json(inner, share);  // three levels, of this file's own making
         } else {
             std::vector<double> values;
             for (const Json& frame : frames) values.push_back(frame[key].get<double>());
@@ -59,10 +108,43 @@ Json percentile_json(const std::vector<Json>& frames, double share) {
     return result;
 }
 
+Json run_json(const RunStats& run) {
+    Json nodes = Json::object();
+    for (int i = 0; i < kMotionCount; ++i) nodes[name(static_cast<Motion>(i))] = run.node_count[i];
+    std::vector<Json> numbers;
+    Json frames = Json::array();
+    for (const FrameRecord& record : run.frames) {
+        numbers.push_back(numbers_json(record));
+        frames.push_back(frame_json(record));
+    }
+    Json json = {{"scene", run.scene},
+                 {"threads", run.threads},
+                 {"simd", simd_target()},
+                 {"triangles", run.triangle_count},
+                 {"nodes", nodes}};
+    if (run.warm_up) json["warm_up"] = frame_json(*run.warm_up);
+    json["frames"] = frames;
+    json["median"] = percentile_json(numbers, 0.5);
+    json["p99"] = percentile_json(numbers, 0.99);
+    if (run.peer) json["peer"] = peer_json(*run.peer, run.frames);
+    return json;
+}
+
+// A scene's name may be any bytes that a file's name may be.
+std::string text(const Json& json) {
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 RunStats describe_run(const std::string& name, const Scene& scene, const Tlas& tlas) {
-    RunStats run{.scene = name, .threads = thread_count(), .triangle_count = 0, .node_count = {}, .frames = {}};
+    RunStats run{.scene = name,
+                 .threads = thread_count(),
+                 .triangle_count = 0,
+                 .node_count = {},
+                 .warm_up = {},
+                 .frames = {},
+                 .peer = {}};
     for (const Instance& instance : tlas.instances) run.triangle_count += instance.mesh->corners.size();
     for (uint32_t i = 0; i < scene.nodes.size(); ++i) {
         const Node& node = scene.nodes[i];
@@ -81,25 +163,44 @@ double percentile(std::vector<double> values, double share) {
     return values[static_cast<size_t>(std::clamp(rank, 1.0, static_cast<double>(count))) - 1];
 }
 
+Ratios ratios_to_peer(const std::vector<FrameRecord>& frames) {
+    constexpr double kTooShort_ms = 0.02;
+    const auto median_ratio = [&](auto&& ours_ms, auto&& peers_ms) {
+        std::vector<double> ratios;
+        for (const FrameRecord& frame : frames) {
+            if (!frame.peer) continue;
+            const double ours = ours_ms(frame.stats), peers = peers_ms(*frame.peer);
+            if (std::max(ours, peers) >= kTooShort_ms && ours > 0.0) ratios.push_back(peers / ours);
+        }
+        return ratios.empty() ? std::numeric_limits<double>::quiet_NaN() : percentile(std::move(ratios), 0.5);
+    };
+    const auto update_ms = [](const FrameStats& s) { return s.update_blas_ms + s.build_tlas_ms; };
+    const auto peer_update_ms = [](const PeerStats& p) { return p.update_ms + p.build_tlas_ms; };
+    const auto kind_ratio = [&](FrameStats::Kind FrameStats::*ours, FrameStats::Kind PeerStats::*peers) {
+        return median_ratio([&](const FrameStats& s) { return (s.*ours).ms; },
+                            [&](const PeerStats& p) { return (p.*peers).ms; });
+    };
+    return {.update = median_ratio(update_ms, peer_update_ms),
+            .primary = kind_ratio(&FrameStats::primary, &PeerStats::primary),
+            .diffuse = kind_ratio(&FrameStats::diffuse, &PeerStats::diffuse),
+            .shadow = kind_ratio(&FrameStats::shadow, &PeerStats::shadow),
+            .frame = median_ratio([&](const FrameStats& s) { return update_ms(s) + s.trace_ms; },
+                                  [](const PeerStats& p) { return p.frame_ms(); })};
+}
+
+const char* simd_target() {
+    return "scalar";
+}
+
 std::string stats_json(const RunStats& run) {
-    Json nodes = Json::object();
-    for (int i = 0; i < kMotionCount; ++i) nodes[name(static_cast<Motion>(i))] = run.node_count[i];
-    std::vector<Json> numbers;
-    Json frames = Json::array();
-    for (const FrameRecord& record : run.frames) {
-        numbers.push_back(numbers_json(record.stats));
-        frames.push_back(frame_json(record));
-    }
-    const Json json = {{"scene", run.scene},
-                       {"threads", run.threads},
-                       {"simd", "scalar"},
-                       {"triangles", run.triangle_count},
-                       {"nodes", nodes},
-                       {"frames", frames},
-                       {"median", percentile_json(numbers, 0.5)},
-                       {"p99", percentile_json(numbers, 0.99)}};
-    // A scene's name may be any bytes that a file's name may be.
-    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text(run_json(run));
+}
+
+std::string bench_json(const std::vector<RunStats>& runs, const std::vector<std::pair<std::string, std::string>>& machine) {
+    Json about = Json::object(), scenes = Json::array();
+    for (const auto& [key, value] : machine) about[key] = value;
+    for (const RunStats& run : runs) scenes.push_back(run_json(run));
+    return text({{"machine", about}, {"scenes", scenes}});
 }
 
 }  // namespace zoe

@@ -29,8 +29,11 @@ std::string footer() {
         "  zoetrope-demo --shade motion                   how each node moves: its motion class\n"
         "  zoetrope-demo --out out/f_%04d.exr --spp 64    EXR layers: colour, depth, node and triangle\n"
         "  zoetrope-demo 'wave_%04d.glb'                  a mesh a frame\n\n"
-        "Scenes made by this project:\n";
-    for (const ContentInfo& info : content_list()) text += fmt::format("  {:<16} {}\n", info.name, info.description);
+        "Scenes made by this project, as NAME or NAME-SIZE (instances-100000):\n";
+    for (const ContentInfo& info : content_list()) {
+        const std::string size = info.max_size > 0 ? fmt::format("; {} unless told", info.default_size) : "";
+        text += fmt::format("  {:<16} {}{}\n", info.name, info.description, size);
+    }
     text +=
         "\nIn the window, F1 shows the keys. Without a display the demo runs headless.\n"
         "Exit codes: 0 done, 1 the scene or a file is at fault, 2 the command line is, 130 interrupted.";

@@ -9,13 +9,19 @@
 
 #include "content/content.h"
 #include "engine/frame/frame.h"
+#include "engine/render/view.h"
 
 namespace zoe::test {
 namespace {
 
+/// A size that is made at once; 0 where the scene has one size.
+int small_size(const ContentInfo& info, int size) {
+    return info.max_size == 0 ? 0 : size;
+}
+
 TEST(ContentList, MakesWholeScenesThatShowSomething) {
     for (const ContentInfo& info : content_list()) {
-        Content content = make_content(info.name, 12);
+        Content content = make_content(info.name, small_size(info, 12));
         EXPECT_EQ(check(content.scene), "") << info.name;
         if (content.write) content.write(content.scene, 0.5);
         EXPECT_FALSE(advance(content.scene, 0.5).instances.empty()) << info.name;
@@ -25,7 +31,8 @@ TEST(ContentList, MakesWholeScenesThatShowSomething) {
 
 TEST(ContentList, MakesTheSameSceneEachTime) {
     for (const ContentInfo& info : content_list()) {
-        const Content a = make_content(info.name, 7), b = make_content(info.name, 7);
+        const int size = small_size(info, 7);
+        const Content a = make_content(info.name, size), b = make_content(info.name, size);
         ASSERT_EQ(a.scene.meshes.size(), b.scene.meshes.size()) << info.name;
         for (size_t i = 0; i < a.scene.meshes.size(); ++i) {
             EXPECT_EQ(a.scene.meshes[i].positions, b.scene.meshes[i].positions) << info.name << " mesh " << i;
@@ -36,7 +43,7 @@ TEST(ContentList, MakesTheSameSceneEachTime) {
 
 TEST(ContentList, LoopsWithoutASeam) {
     for (const ContentInfo& info : content_list()) {
-        const Content content = make_content(info.name, 5);
+        const Content content = make_content(info.name, small_size(info, 5));
         for (const Clip& clip : content.scene.clips) {
             EXPECT_EQ(clip.duration_s, 4.0) << info.name;
             for (const AnimationChannel& channel : clip.channels) {
@@ -55,6 +62,76 @@ TEST(ContentList, LoopsWithoutASeam) {
             }
         }
     }
+}
+
+size_t count_shown_triangles(const Scene& scene) {
+    size_t count = 0;
+    for (const Node& node : scene.nodes) {
+        if (node.mesh != kNone<MeshId>) count += scene[node.mesh].corners.size();
+    }
+    return count;
+}
+
+void expect_about(size_t count, double expected, const std::string& what) {
+    EXPECT_NEAR(static_cast<double>(count), expected, 0.1 * expected) << what;
+}
+
+TEST(ContentList, SizesMeanWhatTheListSays) {
+    expect_about(count_shown_triangles(make_content("static", 5000).scene), 5000, "static");
+    EXPECT_EQ(count_shown_triangles(make_content("rigid", 7).scene), 7000u);
+    EXPECT_EQ(count_shown_triangles(make_content("deforming", 20).scene), 2u * 20 * 20);
+    EXPECT_EQ(count_shown_triangles(make_content("arbitrary", 500).scene), 500u);
+    EXPECT_EQ(make_content("skinned", 9).scene.skins.size(), 9u);
+    EXPECT_EQ(count_shown_triangles(make_content("instances", 30).scene), 80u * 30);
+    // 72,000 static, 5 x 1,000 rigid, 5,000 deforming, 1,000 exploding triangles a unit.
+    expect_about(count_shown_triangles(make_content("mixed", 1).scene), 83'000, "mixed");
+    EXPECT_GT(count_shown_triangles(make_content("topology", 24).scene),
+              count_shown_triangles(make_content("topology", 12).scene));
+}
+
+TEST(ContentList, ViewsAreFilledWithWhatThereIsToSee) {
+    constexpr int kWidth = 64, kHeight = 36;
+    for (const ContentInfo& info : content_list()) {
+        for (const int size : {small_size(info, 10), 0}) {
+            Content content = make_content(info.name, size);
+            const auto camera =
+                std::ranges::find_if(content.scene.nodes, [](const Node& node) { return node.name == "view"; });
+            ASSERT_NE(camera, content.scene.nodes.end()) << info.name;
+            if (content.write) content.write(content.scene, 0.4);
+            const Tlas& tlas = advance(content.scene, 0.4);
+            const NodeId id{static_cast<uint32_t>(camera - content.scene.nodes.begin())};
+            const View view = view_from_camera(content.scene, id, float(kWidth) / float(kHeight));
+            int hit_count = 0;
+            for (int y = 0; y < kHeight; ++y) {
+                for (int x = 0; x < kWidth; ++x) {
+                    const Ray ray = camera_ray(view, float(x) + 0.5f, float(y) + 0.5f, kWidth, kHeight);
+                    hit_count += any_hit(tlas, ray) ? 1 : 0;
+                }
+            }
+            EXPECT_GT(hit_count, kWidth * kHeight / (size == 0 ? 2 : 10)) << info.name << "-" << size;
+        }
+    }
+}
+
+TEST(ContentNames, MayCarryASize) {
+    EXPECT_EQ(parse_content_name("rigid").size, 0);
+    EXPECT_EQ(parse_content_name("rigid-50").size, 50);
+    EXPECT_STREQ(parse_content_name("instances-100000").info->name, "instances");
+    const Content named = make_content("rigid-3"), sized = make_content("rigid", 3);
+    EXPECT_EQ(named.scene.nodes.size(), sized.scene.nodes.size());
+    EXPECT_EQ(count_shown_triangles(named.scene), 3000u);
+}
+
+TEST(ContentNames, BadSizesAreRefused) {
+    for (const char* const name :
+         {"rigid-", "rigid-0", "rigid--3", "rigid-abc", "rigid-1.5", "rigid-3x", "rigid- 3", "rigid-+3",
+          "rigid-99999999999999999999", "rigid-100001", "default-3", "rigid-3-4", "-3", "-", "", "Rigid"}) {
+        EXPECT_THROW(parse_content_name(name), SceneError) << name;
+        EXPECT_THROW(make_content(name), SceneError) << name;
+    }
+    EXPECT_THROW(make_content("rigid-3", 4), SceneError);
+    EXPECT_THROW(make_content("default", 2), SceneError);
+    EXPECT_FALSE(is_content_name("fox.glb"));
 }
 
 TEST(ContentList, SaysWhichNamesThereAre) {
