@@ -1,0 +1,134 @@
+// What makes trees and keeps them: builders, refit, clustering.
+#include <map>
+#include <utility>
+
+#include "engine/bvh/build_agglomerative.h"
+#include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_sweep.h"
+#include "engine/bvh/epo.h"
+#include "engine/bvh/refit.h"
+#include "tests/bench/harness.h"
+#include "tests/bench/inputs.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+
+namespace {
+
+struct TreeQuality {
+    double sah, epo, depth;
+};
+
+/// Adds what a tree is worth to the counters, or fails where it is broken. The quality is worked out once a benchmark,
+/// however often the library repeats it: it takes longer than a build.
+void report_tree(benchmark::State& state, const std::string& name, const Bvh& bvh, const BenchMesh& mesh) {
+    if (const std::string fault = validate(bvh, mesh.boxes()); !fault.empty()) return fail(state, fault);
+    static std::map<std::string, TreeQuality> known;
+    if (!known.contains(name)) {
+        std::vector<Triangle> triangles;
+        for (const uint32_t k : bvh.primitives) {
+            const glm::uvec3 c = mesh.corners[k];
+            triangles.push_back({mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z], k});
+        }
+        known[name] = {sah_cost(bvh), epo_cost(bvh, triangles), double(depth(bvh))};
+    }
+    const TreeQuality& quality = known[name];
+    state.counters["sah"] = quality.sah;
+    state.counters["epo"] = quality.epo;
+    state.counters["depth"] = quality.depth;
+    // All that a Blas holds.
+    const size_t bytes =
+        bvh.nodes.size() * sizeof(BvhNode) + bvh.primitives.size() * (sizeof(uint32_t) + sizeof(Triangle) + sizeof(Aabb));
+    state.counters["bytes_per_triangle"] = static_cast<double>(bytes) / static_cast<double>(mesh.corners.size());
+}
+
+void build(benchmark::State& state, const std::string& name, BlasBuilder builder, const std::string& mesh_name) {
+    const BenchMesh& mesh = mesh_named(mesh_name);
+    const std::vector<Aabb> boxes = mesh.boxes();
+    Bvh bvh;
+    for (auto _ : state) {
+        bvh = builder == BlasBuilder::kSweep ? build_sweep(boxes, {}, std::move(bvh))
+                                             : build_binned(boxes, {}, std::move(bvh));
+        benchmark::DoNotOptimize(bvh.nodes.data());
+    }
+    count_per_second(state, "triangles", mesh.corners.size());
+    report_tree(state, name, bvh, mesh);
+}
+
+/// The tree of the mesh at rest, fitted to where it moved.
+Blas blas_at_rest(const BenchMesh& mesh) {
+    Blas blas;
+    build_blas(mesh.rest, mesh.corners, BlasBuilder::kSweep, &blas);
+    return blas;
+}
+
+void refit_boxes(benchmark::State& state, const std::string& name, const std::string& mesh_name) {
+    const BenchMesh& mesh = mesh_named(mesh_name);
+    const std::vector<Aabb> boxes = mesh.boxes();
+    Bvh bvh = blas_at_rest(mesh).bvh;
+    for (auto _ : state) {
+        refit(bvh, boxes);
+        benchmark::DoNotOptimize(bvh.nodes.data());
+        benchmark::ClobberMemory();
+    }
+    count_per_second(state, "triangles", mesh.corners.size());
+    report_tree(state, name, bvh, mesh);
+}
+
+void refit_all(benchmark::State& state, const std::string& name, const std::string& mesh_name) {
+    const BenchMesh& mesh = mesh_named(mesh_name);
+    Blas blas = blas_at_rest(mesh);
+    for (auto _ : state) {
+        refit_blas(mesh.positions, mesh.corners, &blas);
+        benchmark::DoNotOptimize(blas.triangles.data());
+        benchmark::ClobberMemory();
+    }
+    count_per_second(state, "triangles", mesh.corners.size());
+    report_tree(state, name, blas.bvh, mesh);
+}
+
+/// Boxes of about the same size all over a cube: instances of a crowd.
+std::vector<Aabb> spread_boxes(int count) {
+    Rng rng(21);
+    std::vector<Aabb> boxes;
+    for (int k = 0; k < count; ++k) {
+        const glm::vec3 middle = random_point(rng, 100.0f), half = glm::vec3(0.5f) + glm::abs(random_point(rng, 1.0f));
+        boxes.push_back({middle - half, middle + half});
+    }
+    return boxes;
+}
+
+void cluster(benchmark::State& state, int count) {
+    const std::vector<Aabb> boxes = spread_boxes(count);
+    Bvh bvh;
+    for (auto _ : state) {
+        bvh = build_agglomerative(boxes, std::move(bvh));
+        benchmark::DoNotOptimize(bvh.nodes.data());
+    }
+    count_per_second(state, "instances", boxes.size());
+    state.counters["sah"] = sah_cost(bvh);
+    state.counters["depth"] = depth(bvh);
+    if (const std::string fault = validate(bvh, boxes); !fault.empty()) fail(state, fault);
+}
+
+}  // namespace
+
+void register_builders() {
+    const auto add = [](const std::string& name, auto run) {
+        benchmark::RegisterBenchmark(name.c_str(), run, name)->Unit(benchmark::kMillisecond);
+    };
+    for (const std::string mesh : kMeshNames) {
+        add("build_sweep/" + mesh,
+            [=](benchmark::State& state, const std::string& name) { build(state, name, BlasBuilder::kSweep, mesh); });
+        add("build_binned/" + mesh,
+            [=](benchmark::State& state, const std::string& name) { build(state, name, BlasBuilder::kBinned, mesh); });
+        add("refit/" + mesh, [=](benchmark::State& state, const std::string& name) { refit_boxes(state, name, mesh); });
+        add("refit_blas/" + mesh, [=](benchmark::State& state, const std::string& name) { refit_all(state, name, mesh); });
+    }
+    for (const int count : {1000, 10000}) {
+        add("build_agglomerative/" + std::to_string(count),
+            [=](benchmark::State& state, const std::string&) { cluster(state, count); });
+    }
+}
+
+}  // namespace zoe::test

@@ -1,0 +1,100 @@
+// Deformers, each beside a memcpy that moves as many bytes. Bytes count what is read and what is written, once.
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "engine/deform/morph.h"
+#include "engine/deform/skin.h"
+#include "tests/bench/harness.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+
+namespace {
+
+constexpr uint32_t kInfluences = 4, kJoints = 64;
+constexpr size_t kTargets = 3;
+
+SkinBinding binding_of(size_t vertex_count) {
+    Rng rng(42);
+    SkinBinding binding{kInfluences, {}, {}};
+    for (size_t v = 0; v < vertex_count; ++v) {
+        const float w = rng.uniform(0.2f, 0.7f);
+        for (const float weight : {w, 0.5f * (1.0f - w), 0.3f * (1.0f - w), 0.2f * (1.0f - w)}) {
+            binding.joints.push_back(static_cast<uint16_t>((v * kJoints / vertex_count + rng.below(4)) % kJoints));
+            binding.weights.push_back(weight);
+        }
+    }
+    return binding;
+}
+
+size_t skin_bytes(size_t vertex_count) {
+    return vertex_count * (2 * sizeof(glm::vec3) + kInfluences * (sizeof(uint16_t) + sizeof(float)));
+}
+
+void skin(benchmark::State& state, size_t vertex_count) {
+    const std::vector<glm::vec3> in = random_points(vertex_count, 41);
+    const SkinBinding binding = binding_of(vertex_count);
+    std::vector<Affine> joints(kJoints);
+    Rng rng(43);
+    for (Affine& joint : joints) joint = random_affine(rng, 0.9, 1.1, 1.0f);
+    std::vector<glm::vec3> out(vertex_count);
+    for (auto _ : state) {
+        skin_positions(binding, joints, in, out);
+        benchmark::DoNotOptimize(out.data());
+        benchmark::ClobberMemory();
+    }
+    count_per_second(state, "vertices", vertex_count);
+    count_per_second(state, "bytes", skin_bytes(vertex_count));
+    for (size_t v = 0; v < vertex_count; ++v) {
+        glm::dvec3 expected(0.0);
+        for (size_t k = v * kInfluences; k < (v + 1) * kInfluences; ++k) {
+            const Affine& joint = joints[binding.joints[k]];
+            const glm::dvec3 moved = glm::dmat3(joint.linear) * glm::dvec3(in[v]) + glm::dvec3(joint.translation);
+            expected += double(binding.weights[k]) * moved;
+        }
+        if (!is_near(out[v], expected)) return fail(state, "vertex " + std::to_string(v) + " is in a wrong place");
+    }
+}
+
+size_t morph_bytes(size_t vertex_count) {
+    return vertex_count * (2 + kTargets) * sizeof(glm::vec3);
+}
+
+void morph(benchmark::State& state, size_t vertex_count) {
+    const std::vector<glm::vec3> base = random_points(vertex_count, 44);
+    std::vector<MorphTarget> targets(kTargets);
+    for (size_t k = 0; k < kTargets; ++k) targets[k].positions = random_points(vertex_count, 45 + k);
+    const std::vector<float> weights = {0.5f, 0.3f, 0.7f};
+    std::vector<glm::vec3> out(vertex_count);
+    for (auto _ : state) {
+        morph_positions(base, targets, weights, out);
+        benchmark::DoNotOptimize(out.data());
+        benchmark::ClobberMemory();
+    }
+    count_per_second(state, "vertices", vertex_count);
+    count_per_second(state, "bytes", morph_bytes(vertex_count));
+    for (size_t v = 0; v < vertex_count; ++v) {
+        glm::dvec3 expected(base[v]);
+        for (size_t k = 0; k < kTargets; ++k) expected += double(weights[k]) * glm::dvec3(targets[k].positions[v]);
+        if (!is_near(out[v], expected)) return fail(state, "vertex " + std::to_string(v) + " is in a wrong place");
+    }
+}
+
+void add(const std::string& method, size_t vertex_count, void (*run)(benchmark::State&, size_t), size_t moved_bytes) {
+    const std::string name = method + std::to_string(vertex_count);
+    benchmark::RegisterBenchmark(name.c_str(), run, vertex_count)->Unit(benchmark::kMicrosecond);
+    benchmark::RegisterBenchmark((name + "/memcpy").c_str(), copy_bytes, moved_bytes)->Unit(benchmark::kMicrosecond);
+}
+
+}  // namespace
+
+void register_deformers() {
+    for (const size_t vertex_count :
+         {10000, 1000000}) {  // A figure, which stays in the cache, and more than any cache holds.
+        add("skin_positions/", vertex_count, skin, skin_bytes(vertex_count));
+        add("morph_positions/", vertex_count, morph, morph_bytes(vertex_count));
+    }
+}
+
+}  // namespace zoe::test
