@@ -68,6 +68,12 @@ const std::map<std::string, std::set<std::string>>& allowed_folders() {
     return allowed;
 }
 
+/// The oracle: the one thing of the tests that a program may ask, and only the benchmark, which judges by it.
+const std::set<std::string>& oracle_headers() {
+    static const std::set<std::string> headers = {"tests/support/brute_force.h", "tests/support/world_triangle.h"};
+    return headers;
+}
+
 /// What is wrong with an include by the layers; empty where nothing is.
 std::string broken_layer(const std::string& folder, const std::string& included) {
     const std::string target = fs::path(included).parent_path().generic_string();
@@ -77,7 +83,11 @@ std::string broken_layer(const std::string& folder, const std::string& included)
     }
     if (folder == "engine") return target.starts_with("engine/") ? "" : "the engine must not know " + target;
     if (folder == "content") return target.starts_with("engine") ? "" : "content knows the engine only, not " + target;
-    if (folder.starts_with("apps")) return target.starts_with("tests") ? "programs must not know tests" : "";
+    if (folder.starts_with("apps")) {
+        if (!target.starts_with("tests")) return "";
+        if (!oracle_headers().contains(included)) return "programs must not know tests";
+        return folder == "apps/bench" ? "" : "of all programs, only the benchmark asks the oracle";
+    }
     return folder.starts_with("tests") ? "" : "unknown folder " + folder;
 }
 
@@ -91,6 +101,8 @@ const std::vector<Owner>& owners() {
     static const std::vector<Owner> list = {
         {"tinygltf", "tiny_gltf.h", {"engine/scene/gltf"}},
         {"OpenImageIO", "OpenImageIO/", {"engine/scene/image.cpp"}},
+        {"OpenSubdiv", "opensubdiv/", {"engine/deform/subdivide"}},
+        {"Embree", "embree3/", {"apps/bench/embree_", "apps/bench/peer_embree"}},
         {"TBB", "tbb/", {"engine/math/parallel.cpp"}},
         {"CLI11", "CLI/", {"apps/demo/options.cpp", "apps/bench/", "apps/chart/"}},
         {"GLFW", "GLFW/", {"apps/demo/"}},
@@ -121,7 +133,32 @@ TEST(Layering, TheCheckItselfCanFail) {
     EXPECT_NE(broken_layer("engine/render", "content/content.h"), "");
     EXPECT_NE(broken_layer("content", "apps/common/parse.h"), "");
     EXPECT_NE(broken_layer("apps/demo", "tests/support/rays.h"), "");
+    EXPECT_NE(broken_layer("apps/demo", "tests/support/brute_force.h"), "");
+    EXPECT_NE(broken_layer("apps/common", "tests/support/world_triangle.h"), "");
+    EXPECT_NE(broken_layer("apps/bench", "tests/support/compare.h"), "");
+    EXPECT_NE(broken_layer("apps/bench", "tests/support/gltf_oracle.h"), "");
+    EXPECT_NE(broken_layer("engine/frame", "tests/support/brute_force.h"), "");
+    EXPECT_NE(broken_layer("content", "tests/support/brute_force.h"), "");
     EXPECT_EQ(broken_layer("engine/frame", "engine/bvh/bvh.h"), "");
+    EXPECT_EQ(broken_layer("apps/bench", "tests/support/brute_force.h"), "");
+    EXPECT_EQ(broken_layer("apps/bench", "tests/support/world_triangle.h"), "");
+}
+
+/// Independent of what it judges, and nothing else of the tests comes along into the program that asks it.
+TEST(Layering, TheOracleKnowsNeitherEngineNorTests) {
+    size_t count = 0;
+    for (const Source& source : sources_under({"tests/support"})) {
+        const std::string header = fs::path(source.name).replace_extension(".h").generic_string();
+        if (!oracle_headers().contains(header)) continue;
+        ++count;
+        for (const Include& include : source.includes) {
+            const bool is_plain =
+                include.is_system && !include.path.starts_with("gtest") && !include.path.starts_with("gmock");
+            EXPECT_TRUE(is_plain || oracle_headers().contains(include.path))
+                << source.name << ":" << include.line << ": includes " << include.path;
+        }
+    }
+    EXPECT_EQ(count, 3u) << "two headers and a source";
 }
 
 TEST(Layering, IncludesAreGivenFromTheRootAndExist) {

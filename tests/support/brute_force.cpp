@@ -49,22 +49,34 @@ double segment_distance(const glm::dvec2& p, const glm::dvec2& q) {
     return glm::length(p + s * along);
 }
 
-/// The triangle as the ray sees it: corners across the ray (q) and along it (z), the ray at (0, 0).
-std::optional<Candidate> candidate(const OracleRay& ray, const WorldTriangle& triangle) {
-    const double length = glm::length(ray.direction);
-    const glm::dvec3 along = ray.direction / length;
-    const glm::dvec3 helper = std::abs(along.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    const glm::dvec3 right = glm::normalize(glm::cross(along, helper)), up = glm::cross(right, along);
-    glm::dvec2 q[3];
-    double z[3];
-    const glm::dvec3 corners[3] = {triangle.a - ray.origin, triangle.b - ray.origin, triangle.c - ray.origin};
-    for (int i = 0; i < 3; ++i) {
-        q[i] = {glm::dot(right, corners[i]), glm::dot(up, corners[i])};
-        z[i] = glm::dot(along, corners[i]);
+/// The axes of a ray, of length 1 and at right angles.
+struct RayAxes {
+    double origin_distance, length;
+    glm::dvec3 along, right, up;
+
+    explicit RayAxes(const OracleRay& ray)
+        : origin_distance(glm::length(ray.origin)), length(glm::length(ray.direction)), along(ray.direction / length) {
+        const glm::dvec3 helper = std::abs(along.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+        right = glm::normalize(glm::cross(along, helper));
+        up = glm::cross(right, along);
     }
+};
+
+/// The triangle as the ray sees it: corners across the ray (q) and along it (z), the ray at (0, 0).
+std::optional<Candidate> candidate(const OracleRay& ray, const RayAxes& axes, const WorldTriangle& triangle) {
+    const glm::dvec3& along = axes.along;
+    const glm::dvec3 corners[3] = {triangle.a - ray.origin, triangle.b - ray.origin, triangle.c - ray.origin};
+    glm::dvec2 q[3];
+    for (int i = 0; i < 3; ++i) q[i] = {glm::dot(axes.right, corners[i]), glm::dot(axes.up, corners[i])};
 
     Candidate result;
-    result.tolerance = BruteForce::kRounding * (triangle.magnitude + glm::length(ray.origin));
+    result.tolerance = BruteForce::kRounding * (triangle.magnitude + axes.origin_distance);
+    // Most triangles lie as a whole on one side of the ray. Twice the tolerance leaves room for the rounding of q.
+    const glm::dvec2 q_lo = glm::min(q[0], glm::min(q[1], q[2])), q_hi = glm::max(q[0], glm::max(q[1], q[2]));
+    const double far = 2.0 * result.tolerance;
+    if (q_lo.x > far || q_lo.y > far || q_hi.x < -far || q_hi.y < -far) return std::nullopt;
+
+    const double z[3] = {glm::dot(along, corners[0]), glm::dot(along, corners[1]), glm::dot(along, corners[2])};
     const double u = cross(q[2], q[1]), v = cross(q[0], q[2]), w = cross(q[1], q[0]);
     const bool is_inside = (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
     const double distance =
@@ -90,8 +102,8 @@ std::optional<Candidate> candidate(const OracleRay& ray, const WorldTriangle& tr
         if (depth - reach > lo) lo = std::min(depth - reach, hi);
         if (depth + reach < hi) hi = std::max(depth + reach, lo);
     }
-    result.t_lo = (lo - result.tolerance) / length;
-    result.t_hi = (hi + result.tolerance) / length;
+    result.t_lo = (lo - result.tolerance) / axes.length;
+    result.t_hi = (hi + result.tolerance) / axes.length;
     if (result.t_hi < ray.t_min || result.t_lo > ray.t_max) return std::nullopt;
     if (result.t_lo < ray.t_min || result.t_hi > ray.t_max) result.is_sure = false;
     return result;
@@ -154,11 +166,12 @@ std::optional<OracleHit> BruteForce::closest_hit(const OracleRay& ray) const {
 std::vector<Candidate> BruteForce::candidates(const OracleRay& ray) const {
     std::vector<Candidate> found;
     if (!is_usable(ray)) return found;
+    const RayAxes axes(ray);
     for (const Group& group : groups_) {
         if (!may_touch(group, ray)) continue;
         for (size_t i = group.begin; i < group.end; ++i) {
             if (!is_finite(triangles_[i])) continue;
-            std::optional<Candidate> near = candidate(ray, triangles_[i]);
+            std::optional<Candidate> near = candidate(ray, axes, triangles_[i]);
             if (!near) continue;
             near->triangle = i;
             found.push_back(*near);

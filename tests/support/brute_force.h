@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "tests/support/gltf_oracle.h"
+#include "tests/support/world_triangle.h"
 
 namespace zoe::test {
 

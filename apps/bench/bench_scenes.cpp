@@ -1,0 +1,66 @@
+#include "apps/bench/bench_scenes.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/common/usage_error.h"
+#include "content/content.h"
+#include "engine/scene/error.h"
+#include "engine/scene/sequence.h"
+
+namespace zoe {
+
+std::span<const BenchScene> bench_scenes() {
+    static const std::array scenes = {
+        BenchScene{"default", "default", 12, {512, 512}, "the demo's zoetrope: all classes in a furnished room"},
+        BenchScene{"static", "static-1000000", 12, {512, 512}, "a room of a million triangles, half of them long and thin"},
+        BenchScene{"rigid", "rigid-1000", 12, {512, 512}, "1,000 moving copies of 1,000 triangles"},
+        BenchScene{"deforming", "deforming-500", 12, {512, 512}, "a waving cloth of 500 x 500 quads"},
+        BenchScene{"skinned", "skinned-100", 12, {512, 512}, "100 walking figures"},
+        BenchScene{"arbitrary", "arbitrary-20000", 12, {512, 512}, "20,000 triangles that explode"},
+        BenchScene{"topology", "topology-78", 12, {512, 512}, "drops that merge and part: other triangles every frame"},
+        BenchScene{"mixed", "mixed-20", 60, {1024, 1024}, "a static room, 100 rigid objects, a cloth, an explosion"},
+        BenchScene{"instances-1000", "instances-1000", 12, {512, 512}, "1,000 copies that all move every frame"},
+        BenchScene{"instances-10000", "instances-10000", 12, {512, 512}, "10,000 of them"},
+        BenchScene{"instances-100000", "instances-100000", 6, {512, 512}, "100,000 of them"},
+    };
+    return scenes;
+}
+
+BenchScene find_bench_scene(const std::string& name) {
+    const std::span<const BenchScene> scenes = bench_scenes();
+    if (const auto found = std::ranges::find(scenes, name, &BenchScene::name); found != scenes.end()) return *found;
+    const std::filesystem::path path = name;
+    if (std::filesystem::exists(path) || is_sequence_pattern(name)) {
+        // A file, whose contents are looked at when its turn comes.
+    } else if (path.has_parent_path() || path.extension() == ".glb" || path.extension() == ".gltf") {
+        throw UsageError(fmt::format("{}: no such file", name));
+    } else {
+        try {
+            parse_content_name(name);
+        } catch (const SceneError& error) {
+            std::string names;
+            for (const BenchScene& scene : scenes) names += fmt::format("{}{}", names.empty() ? "" : ", ", scene.name);
+            throw UsageError(fmt::format("{}; the benchmark's own are {}", error.what(), names));
+        }
+    }
+    return {.name = name, .scene = name, .description = ""};
+}
+
+std::string list_bench_scenes() {
+    std::string text =
+        "Played unless told otherwise (frames, primary rays; a diffuse ray from each of their hits, a shadow\n"
+        "ray from both):\n";
+    for (const BenchScene& scene : bench_scenes()) {
+        text += fmt::format("  {:<17}{:>3} x {:<11}{}\n", scene.name, scene.frame_count,
+                            fmt::format("{}x{}", scene.size.width, scene.size.height), scene.description);
+    }
+    text += "\nAlso any of these as NAME or NAME-SIZE, and any .glb or .gltf file or mesh sequence by its path:\n";
+    for (const ContentInfo& info : content_list()) text += fmt::format("  {:<17}{}\n", info.name, info.description);
+    return text;
+}
+
+}  // namespace zoe

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "apps/common/parse.h"
+
+namespace zoe {
+
+/// A scene that the benchmark plays unless told otherwise.
+struct BenchScene {
+    std::string name;   ///< What tables and JSON call it.
+    std::string scene;  ///< What `open_scene` is asked for.
+    int frame_count = 12;
+    PictureSize size{512, 512};
+    std::string description;
+};
+
+std::span<const BenchScene> bench_scenes();
+
+/// The benchmark's scene of that name, else any scene by that name or path, at the default frames and size. Opens nothing.
+/// Throws     UsageError for a name that is none, with the names that there are, and for a file that is not there.
+BenchScene find_bench_scene(const std::string& name);
+
+/// For `--list`: every scene with its size and what it is.
+std::string list_bench_scenes();
+
+}  // namespace zoe

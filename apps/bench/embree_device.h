@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include <embree3/rtcore.h>
+
+namespace zoe {
+
+struct ReleaseEmbree {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using EmbreeScene = std::unique_ptr<RTCSceneTy, ReleaseEmbree>;
+using EmbreeGeometry = std::unique_ptr<RTCGeometryTy, ReleaseEmbree>;
+
+/// Embree's device, and the first thing that it complained about.
+class EmbreeDevice {
+public:
+    /// threads    that Embree's builds may use, at least 1.
+    /// Throws     std::runtime_error where Embree makes no device.
+    explicit EmbreeDevice(int threads);
+    ~EmbreeDevice();
+    EmbreeDevice(const EmbreeDevice&) = delete;
+    EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+
+    RTCDevice handle() const { return device_; }
+    EmbreeScene new_scene(RTCBuildQuality quality, int flags) const;
+
+    /// Throws     std::runtime_error with the first error of any call since the last check. Embree's calls return none.
+    void check();
+
+private:
+    static void report(void* device, RTCError code, const char* text);
+
+    RTCDevice device_ = nullptr;
+    std::mutex mutex_;
+    std::string error_;  ///< Errors come from the threads that build.
+};
+
+}  // namespace zoe

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "apps/bench/embree_device.h"
+#include "apps/bench/peer_embree.h"
+
+namespace zoe {
+
+/// A scene as Embree holds it, by one of the layouts. Made for one frame state of the scene.
+class EmbreeLayout {
+public:
+    virtual ~EmbreeLayout() = default;
+
+    /// As EmbreePeer's. Every frame that `advance` made must be shown to it, in order.
+    virtual EmbreePeer::UpdateTimes update(const Scene& scene, const Tlas& tlas) = 0;
+
+    /// What rays are traced through.
+    RTCScene top() const { return top_.get(); }
+    /// The node of an instance's id, or of a geometry's where the hit is not in an instance.
+    NodeId node(unsigned id) const { return nodes_[id]; }
+
+protected:
+    EmbreeScene top_;
+    std::vector<NodeId> nodes_;  ///< [shape_count] ids are positions of shapes.
+};
+
+/// Requires   an `advance` of the scene before.
+std::unique_ptr<EmbreeLayout> make_embree_instances(const EmbreeDevice& device, const EmbreeConfig& config,
+                                                    const Scene& scene);
+std::unique_ptr<EmbreeLayout> make_embree_one_scene(const EmbreeDevice& device, const EmbreeConfig& config,
+                                                    const Scene& scene);
+
+}  // namespace zoe

@@ -1,0 +1,156 @@
+#include "apps/bench/frame_run.h"
+
+#include <chrono>
+
+#include "apps/bench/compare.h"
+#include "apps/bench/rays.h"
+#include "engine/math/parallel.h"
+
+namespace zoe {
+namespace {
+
+// Calls `trace(begin, end)` for tasks of rays on all threads. Returns ms.
+template <typename Trace>
+double timed_trace(size_t ray_count, Trace&& trace) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point begin = Clock::now();
+    parallel_for(0, ray_count, kRaysATask, trace);
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+template <typename Stats>
+FrameStats::Kind& find_kind(Stats* stats, RayKind kind) {
+    return kind == RayKind::kPrimary ? stats->primary : kind == RayKind::kDiffuse ? stats->diffuse : stats->shadow;
+}
+
+}  // namespace
+
+FrameStats::Kind& kind_of(FrameStats* stats, RayKind kind) {
+    return find_kind(stats, kind);
+}
+
+FrameStats::Kind& kind_of(PeerStats* stats, RayKind kind) {
+    return find_kind(stats, kind);
+}
+
+FrameRun::FrameRun(Content& content, const ViewChoice& view, PictureSize size)
+    : content_(content), view_(view), size_(size) {}
+
+void FrameRun::make_rays(RayKind kind) {
+    const Scene& scene = content_.scene;
+    Batch &primary = batches_[0], &diffuse = batches_[1], &shadow = batches_[2];
+    switch (kind) {
+        case RayKind::kPrimary: {
+            const View view = view_.view(scene, static_cast<float>(size_.width) / static_cast<float>(size_.height));
+            make_primary_rays(view, size_.width, size_.height, &primary.rays);
+            break;
+        }
+        case RayKind::kDiffuse:
+            diffuse.rays.clear();
+            add_diffuse_rays(scene, *tlas_, primary.rays, primary.hits, &diffuse.rays);
+            break;
+        case RayKind::kShadow:
+            shadow.rays.clear();
+            add_shadow_rays(scene, *tlas_, primary.rays, primary.hits, RayKind::kPrimary, &shadow.rays);
+            add_shadow_rays(scene, *tlas_, diffuse.rays, diffuse.hits, RayKind::kDiffuse, &shadow.rays);
+            break;
+    }
+}
+
+double FrameRun::trace_ours(RayKind kind) {
+    Batch& batch = batches_[static_cast<size_t>(kind)];
+    const std::span<const Ray> rays = batch.rays;
+    if (kind == RayKind::kShadow) {
+        batch.is_hit.resize(rays.size());
+        const std::span<uint8_t> is_hit = batch.is_hit;
+        return timed_trace(rays.size(), [&](size_t begin, size_t end) {
+            any_hits(*tlas_, rays.subspan(begin, end - begin), is_hit.subspan(begin, end - begin));
+        });
+    }
+    batch.hits.resize(rays.size());
+    const std::span<Hit> hits = batch.hits;
+    return timed_trace(rays.size(), [&](size_t begin, size_t end) {
+        closest_hits(*tlas_, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin));
+    });
+}
+
+double FrameRun::trace_peer(RayKind kind, EmbreePeer* peer) {
+    Batch& batch = batches_[static_cast<size_t>(kind)];
+    if (kind == RayKind::kShadow) {
+        batch.is_peer_hit.resize(batch.rays.size());
+        return peer->any_hits(batch.rays, kind, batch.is_peer_hit);
+    }
+    batch.peer_hits.resize(batch.rays.size());
+    return peer->closest_hits(batch.rays, kind, batch.peer_hits);
+}
+
+void FrameRun::compare(RayKind kind, int frame) {
+    const Batch& batch = batches_[static_cast<size_t>(kind)];
+    if (kind == RayKind::kShadow) {
+        compare_any(frame, kind, batch.rays, batch.is_hit, batch.is_peer_hit, &disagreements_);
+    } else {
+        compare_closest(frame, kind, batch.rays, batch.hits, batch.peer_hits, &disagreements_);
+    }
+}
+
+void FrameRun::count_hits(RayKind kind, FrameStats* stats) const {
+    const Batch& batch = batches_[static_cast<size_t>(kind)];
+    for (size_t k = 0; k < batch.rays.size(); ++k) {
+        const uint64_t key = static_cast<uint64_t>(kind) << 48 | k;
+        // A shadow ray knows only whether there is a hit.
+        const Hit hit = kind != RayKind::kShadow ? batch.hits[k] : batch.is_hit[k] ? Hit{.t = 0.0f} : Hit{};
+        stats->hits += kind == RayKind::kShadow ? batch.is_hit[k] : bool(hit);
+        stats->hits_hash += hash(hit, key);
+    }
+}
+
+FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
+    FrameRecord record{.frame = frame, .stats = {}, .peer = {}};
+    PeerStats peers;
+    disagreements_.clear();
+    // Ours is made first in any case: the peer's vertices are what deform wrote.
+    tlas_ = &advance(content_, frame / kBenchFps, &record.stats);
+    if (peer) {
+        const EmbreePeer::UpdateTimes times = peer->update(content_.scene, *tlas_);
+        peers.update_ms = times.update_ms;
+        peers.build_tlas_ms = times.build_tlas_ms;
+    }
+    for (const RayKind kind : kRayKinds) {
+        make_rays(kind);
+        const uint64_t ray_count = batches_[static_cast<size_t>(kind)].rays.size();
+        FrameStats::Kind& ours = kind_of(&record.stats, kind);
+        ours.rays = ray_count;
+        if (peer && is_peer_first) kind_of(&peers, kind).ms = trace_peer(kind, peer);
+        ours.ms = trace_ours(kind);
+        if (peer && !is_peer_first) kind_of(&peers, kind).ms = trace_peer(kind, peer);
+        record.stats.rays += ray_count;
+        record.stats.trace_ms += ours.ms;
+        count_hits(kind, &record.stats);
+        if (!peer) continue;
+        kind_of(&peers, kind).rays = ray_count;
+        peers.rays += ray_count;
+        peers.trace_ms += kind_of(&peers, kind).ms;
+        compare(kind, frame);
+    }
+    peers.disagreements = disagreements_.size();
+    if (peer) record.peer = peers;
+    return record;
+}
+
+FrameRun::PeerTrial FrameRun::try_peer(int frame, EmbreePeer* peer) {
+    PeerTrial trial;
+    tlas_ = &advance(content_, frame / kBenchFps, nullptr);
+    const EmbreePeer::UpdateTimes times = peer->update(content_.scene, *tlas_);
+    trial.update_ms = times.update_ms + times.build_tlas_ms;
+    for (const RayKind kind : kRayKinds) {
+        make_rays(kind);
+        for (const bool uses_packets : {false, true}) {
+            peer->set_packets(kind, uses_packets);
+            trial.trace_ms[static_cast<size_t>(kind)][uses_packets] = trace_peer(kind, peer);
+        }
+        batches_[static_cast<size_t>(kind)].hits = batches_[static_cast<size_t>(kind)].peer_hits;  // for the next rays
+    }
+    return trial;
+}
+
+}  // namespace zoe

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "apps/bench/judge.h"
+#include "apps/bench/peer_embree.h"
+#include "apps/common/choose_view.h"
+#include "apps/common/parse.h"
+#include "apps/common/stats_json.h"
+
+namespace zoe {
+
+/// Frames a second of every benchmark scene.
+inline constexpr double kBenchFps = 24.0;
+
+/// Makes and traces single frames of a scene. Keeps its memory from frame to frame.
+class FrameRun {
+public:
+    FrameRun(Content& content, const ViewChoice& view, PictureSize size);
+
+    /// Advances to the frame, and makes the peer (may be null) do the same; traces the rays of each kind with both.
+    /// is_peer_first  who goes first, in all.
+    FrameRecord run(int frame, EmbreePeer* peer, bool is_peer_first);
+
+    /// What the peer alone takes for a frame: by kind of ray with single rays [0] and with packets [1].
+    struct PeerTrial {
+        double update_ms = 0.0;
+        std::array<std::array<double, 2>, kRayKindCount> trace_ms{};
+    };
+    PeerTrial try_peer(int frame, EmbreePeer* peer);
+
+    const Tlas& tlas() const { return *tlas_; }
+    /// Of the last frame.
+    const std::vector<Disagreement>& disagreements() const { return disagreements_; }
+
+private:
+    struct Batch {
+        std::vector<Ray> rays;
+        std::vector<Hit> hits, peer_hits;
+        std::vector<uint8_t> is_hit, is_peer_hit;
+    };
+    void make_rays(RayKind kind);
+    double trace_ours(RayKind kind);
+    double trace_peer(RayKind kind, EmbreePeer* peer);
+    void compare(RayKind kind, int frame);
+    void count_hits(RayKind kind, FrameStats* stats) const;
+
+    Content& content_;
+    ViewChoice view_;
+    PictureSize size_;
+    const Tlas* tlas_ = nullptr;
+    std::array<Batch, kRayKindCount> batches_;
+    std::vector<Disagreement> disagreements_;
+};
+
+/// Statistics of one kind.
+FrameStats::Kind& kind_of(FrameStats* stats, RayKind kind);
+FrameStats::Kind& kind_of(PeerStats* stats, RayKind kind);
+
+}  // namespace zoe

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/common/parse.h"
+#include "apps/common/stats_json.h"
+
+namespace zoe {
+
+/// Hashes of the hits of a scene's first frames, as a line of a hash file holds them:
+///     SIMD SCENE WIDTHxHEIGHT HASH HASH ...
+/// A hash is 16 hex digits, the first one is frame 1's; a line that starts with # is a comment. Vector instructions may
+/// round in other ways, so each target has lines of its own.
+struct SceneHashes {
+    std::string simd, scene;
+    PictureSize size;
+    std::vector<uint64_t> hashes;
+};
+
+/// Throws     std::runtime_error with the file's name, the line, and the reason.
+std::vector<SceneHashes> read_hashes(const std::filesystem::path& file);
+
+SceneHashes hashes_of(const RunStats& run, PictureSize size);
+
+/// Writes the lines over those of the same vector instructions that the file holds; lines of others stay.
+/// Throws     std::runtime_error with the file's name and the reason.
+void write_hashes(const std::filesystem::path& file, const std::vector<SceneHashes>& lines);
+
+/// What differs, a line a frame; empty where nothing does.
+std::string describe_difference(const SceneHashes& expected, const SceneHashes& found);
+
+}  // namespace zoe

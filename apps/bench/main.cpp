@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "apps/bench/bench_scenes.h"
+#include "apps/bench/hashes.h"
+#include "apps/bench/machine.h"
+#include "apps/bench/options.h"
+#include "apps/bench/peer_embree.h"
+#include "apps/bench/play.h"
+#include "apps/bench/report.h"
+#include "apps/common/interrupt.h"
+#include "apps/common/open_scene.h"
+#include "apps/common/progress.h"
+#include "apps/common/usage_error.h"
+#include "apps/common/write_file.h"
+
+namespace zoe {
+namespace {
+
+constexpr const char* kProgram = "zoetrope-bench";
+/// Of a scene, in the file of disagreements.
+constexpr size_t kMaxWritten = 100;
+
+int fail(int exit_code, const std::string& message) {
+    fmt::print(stderr, "{}: {}\n", kProgram, one_line(message));
+    return exit_code;
+}
+
+/// Finds out before long work what would stop it after.
+void check_outputs(const Options& options) {
+    for (const std::optional<std::string>* file :
+         {&options.json, &options.csv, &options.disagreements, &options.written_hashes}) {
+        if (!*file) continue;
+        try {
+            require_writable(**file);
+        } catch (const std::runtime_error& error) {
+            throw UsageError(error.what());
+        }
+    }
+}
+
+/// The hash file's lines for this machine's vector instructions.
+std::vector<SceneHashes> expected_hashes(const Options& options) {
+    if (!options.expected_hashes) return {};
+    std::vector<SceneHashes> lines = read_hashes(*options.expected_hashes);
+    std::erase_if(lines, [](const SceneHashes& line) { return line.simd != simd_target(); });
+    if (lines.empty()) {
+        throw std::runtime_error(fmt::format("{}: no hashes for {}", *options.expected_hashes, simd_target()));
+    }
+    return lines;
+}
+
+std::vector<BenchScene> choose_scenes(const Options& options, const std::vector<SceneHashes>& expected) {
+    std::vector<BenchScene> scenes;
+    if (options.expected_hashes) {
+        for (const SceneHashes& line : expected) {
+            scenes.push_back({.name = line.scene,
+                              .scene = line.scene,
+                              .frame_count = static_cast<int>(line.hashes.size()),
+                              .size = line.size,
+                              .description = ""});
+        }
+        return scenes;
+    }
+    if (options.scenes.empty()) scenes.assign(bench_scenes().begin(), bench_scenes().end());
+    for (const std::string& name : options.scenes) scenes.push_back(find_bench_scene(name));
+    for (BenchScene& scene : scenes) {
+        if (options.frames) scene.frame_count = *options.frames;
+        if (options.size) scene.size = *options.size;
+    }
+    return scenes;
+}
+
+Played play_with_progress(const BenchScene& scene, const PlayConfig& config) {
+    Progress progress(scene.name, 1.0);
+    return play(scene, config, [&](double share, const std::string& detail) { progress.update(share, detail); });
+}
+
+std::string disagreements_text(const Played& played) {
+    std::string text = fmt::format("# {}\n", played.run.scene);
+    const size_t count = std::min(played.disagreements.size(), kMaxWritten);
+    for (size_t k = 0; k < count; ++k) text += describe(played.disagreements[k], played.verdicts[k]) + "\n";
+    return text;
+}
+
+/// Returns the exit code.
+int run(const Options& options) {
+    set_thread_count(options.threads);
+    const std::vector<SceneHashes> expected = expected_hashes(options);
+    const std::vector<BenchScene> scenes = choose_scenes(options, expected);
+    if (options.has_peer && !is_embree_available()) {
+        throw UsageError("--peer embree: built without Embree: install libembree-dev, configure and build again");
+    }
+    check_outputs(options);
+    catch_interrupts();
+
+    const PlayConfig config{.repeats = options.expected_hashes ? 1 : options.repeats,
+                            .has_peer = options.has_peer,
+                            .is_peer_robust = options.is_peer_robust,
+                            .is_peer_high = options.is_peer_high};
+    const auto machine = describe_machine();
+    fmt::print("{}\n{}", machine_text(machine), stages_heading(options.has_peer));
+    std::vector<RunStats> runs;
+    std::vector<SceneHashes> hashes;
+    std::string disagreements, differences;
+    for (size_t k = 0; k < scenes.size(); ++k) {
+        Played played = play_with_progress(scenes[k], config);
+        fmt::print("{}", stages_line(played.run));
+        std::fflush(stdout);
+        disagreements += disagreements_text(played);
+        hashes.push_back(hashes_of(played.run, scenes[k].size));
+        if (options.expected_hashes) differences += describe_difference(expected[k], hashes.back());
+        runs.push_back(std::move(played.run));
+    }
+    fmt::print("\n{}", rays_table(runs));
+    if (options.json) write_file(*options.json, bench_json(runs, machine));
+    if (options.csv) write_file(*options.csv, csv(runs));
+    if (options.disagreements) write_file(*options.disagreements, disagreements);
+    if (options.written_hashes) write_hashes(*options.written_hashes, hashes);
+    if (options.expected_hashes) {
+        fmt::print(stderr, "{}", differences);
+        if (!differences.empty()) return 1;
+        fmt::print("\nall hits are what {} expects\n", *options.expected_hashes);
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace zoe
+
+int main(int argc, char** argv) {
+    using namespace zoe;
+    try {
+        const std::optional<Options> options = parse_options(argc, argv);
+        if (!options) return 0;
+        if (options->is_list) {
+            fmt::print("{}", list_bench_scenes());
+            return 0;
+        }
+        return run(*options);
+    } catch (const UsageError& error) {
+        return fail(2, error.what());
+    } catch (const Interrupted& error) {
+        return fail(130, error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(1, "out of memory");
+    } catch (const std::exception& error) {
+        return fail(1, error.what());
+    }
+}

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/parse.h"
+
+namespace zoe {
+
+/// What the command line of the benchmark asks for.
+struct Options {
+    std::vector<std::string> scenes;  ///< Empty: all of the benchmark's own.
+    bool is_list = false;
+    std::optional<int> frames;        ///< Measured ones; each scene has its own number otherwise.
+    std::optional<PictureSize> size;  ///< Likewise.
+    int repeats = 2;
+    int threads = 0;  ///< 0: all.
+
+    bool has_peer = false;
+    bool is_peer_robust = false, is_peer_high = false;
+
+    std::optional<std::string> json, csv, disagreements, expected_hashes, written_hashes;
+};
+
+/// Reads the command line; prints the help where that is asked for.
+/// Returns    nothing where there is nothing left to do.
+/// Throws     UsageError.
+std::optional<Options> parse_options(int argc, char** argv);
+
+}  // namespace zoe

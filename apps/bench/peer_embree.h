@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/bench/ray_kind.h"
+#include "engine/frame/frame.h"
+
+namespace zoe {
+
+/// How Embree holds a scene. What is best depends on the scene: `embree_configs` lists what to try.
+struct EmbreeConfig {
+    /// kInstances: each mesh has a scene of its own, shown by instances whose top level is rebuilt each frame.
+    /// kOneScene: all triangles in world space in one scene, moving nodes' transformed each frame; merged by Embree.
+    enum class Layout : uint8_t { kInstances, kOneScene };
+    Layout layout = Layout::kInstances;
+    bool is_arbitrary_medium = false;  ///< Arbitrary nodes are built at MEDIUM, not LOW.
+    bool is_static_high = false;       ///< Static and rigid nodes are built at HIGH (spatial splits), not MEDIUM.
+    bool is_robust = false;            ///< RTC_SCENE_FLAG_ROBUST on every scene.
+    std::array<bool, kRayKindCount> uses_packets{};  ///< By kind: packets of 16 rays, not single rays.
+
+    /// "one scene, arbitrary LOW, static MEDIUM, fast, packets of 16 for primary rays".
+    std::string describe() const;
+};
+
+/// The configurations worth trying for a scene: layouts, and qualities for the classes that it has. Packets are left at
+/// single rays.
+std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, bool is_static_high, bool is_robust);
+
+/// Whether this program was built with Embree.
+bool is_embree_available();
+
+/// The same frames, held and traced by Embree: vertices and matrices are those that the engine's frame shows.
+class EmbreePeer {
+public:
+    /// threads    as many as `thread_count()`: builds go by this number, rays by that one.
+    /// Throws     UsageError where the program was built without Embree, naming the package; std::runtime_error where
+    ///            Embree reports an error.
+    EmbreePeer(const EmbreeConfig& config, int threads);
+    ~EmbreePeer();
+    EmbreePeer(const EmbreePeer&) = delete;
+    EmbreePeer& operator=(const EmbreePeer&) = delete;
+
+    /// "Embree 3.13.5".
+    static std::string version();
+
+    struct UpdateTimes {
+        double update_ms = 0.0;      ///< Meshes: refits, rebuilds; all of the commit where there is one scene.
+        double build_tlas_ms = 0.0;  ///< Matrices and the top level's commit; 0 where there is one scene.
+    };
+    /// Takes this frame's vertices and matrices. Vertices are copied into Embree's padded buffers outside of the times: a
+    /// program made for Embree would have deformed into those.
+    /// scene, tlas  as the last `advance` left them; they stay with the caller.
+    /// Requires   a call after every `advance`: what changed is told from one frame to the next.
+    /// Throws     std::runtime_error where Embree reports an error.
+    UpdateTimes update(const Scene& scene, const Tlas& tlas);
+
+    /// Traces in tasks of kRaysATask, as many threads as told. Rays and hits are put into and out of Embree's form outside
+    /// of the time. rays       finite; directions other than 0. hits       [ray_count] Returns    ms. Throws
+    /// std::logic_error before the first `update`.
+    double closest_hits(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits);
+    /// is_hit     [ray_count] 1 or 0.
+    double any_hits(std::span<const Ray> rays, RayKind kind, std::span<uint8_t> is_hit);
+
+    /// From the next call on. For trying both.
+    void set_packets(RayKind kind, bool uses_packets);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace zoe

@@ -1,0 +1,47 @@
+// What takes Embree's place in a program that is built without it.
+
+#include "apps/bench/peer_embree.h"
+#include "apps/common/usage_error.h"
+
+namespace zoe {
+namespace {
+
+[[noreturn]] void refuse() {
+    throw UsageError("--peer embree: built without Embree: install libembree-dev, configure and build again");
+}
+
+}  // namespace
+
+bool is_embree_available() {
+    return false;
+}
+
+struct EmbreePeer::State {};
+
+EmbreePeer::EmbreePeer(const EmbreeConfig&, int) {
+    refuse();
+}
+
+EmbreePeer::~EmbreePeer() = default;
+
+std::string EmbreePeer::version() {
+    refuse();
+}
+
+EmbreePeer::UpdateTimes EmbreePeer::update(const Scene&, const Tlas&) {
+    refuse();
+}
+
+double EmbreePeer::closest_hits(std::span<const Ray>, RayKind, std::span<Hit>) {
+    refuse();
+}
+
+double EmbreePeer::any_hits(std::span<const Ray>, RayKind, std::span<uint8_t>) {
+    refuse();
+}
+
+void EmbreePeer::set_packets(RayKind, bool) {
+    refuse();
+}
+
+}  // namespace zoe

@@ -1,0 +1,219 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/bench/peer_embree.h"
+#include "tests/apps/run_program.h"
+#include "tests/support/temp_folder.h"
+
+namespace zoe::test {
+namespace {
+
+using Json = nlohmann::json;
+
+Outcome run_bench(const TempFolder& folder, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), ZOETROPE_BENCH);
+    return run_program(arguments, folder.path());
+}
+
+std::string read(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Expects one clear line, the exit code, and no file that was not there before.
+void expect_refused(const TempFolder& folder, const std::vector<std::string>& arguments, int exit_code,
+                    const std::string& part) {
+    SCOPED_TRACE(part);
+    const std::vector<std::string> before = list_files(folder.path());
+    const Outcome outcome = run_bench(folder, arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(lines(outcome.err).size(), 1u) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("zoetrope-bench: ")) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << "'" << part << "' is not in: " << outcome.err;
+    EXPECT_EQ(list_files(folder.path()), before);
+}
+
+const std::vector<std::string> kSmall = {"instances-20", "--frames", "2", "--size", "16x16", "--repeats", "1"};
+
+std::vector<std::string> small(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = kSmall;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
+    const TempFolder folder;
+    expect_refused(folder, {"no_such_scene"}, 2, "default, static, rigid");
+    expect_refused(folder, {"default", "rigid-0"}, 2, "rigid-0");
+    expect_refused(folder, {"--threads", "0"}, 2, "--threads");
+    expect_refused(folder, {"--threads", "many"}, 2, "--threads");
+    expect_refused(folder, {"--frames", "0"}, 2, "--frames");
+    expect_refused(folder, {"--repeats", "0"}, 2, "--repeats");
+    expect_refused(folder, {"--size", "0x10"}, 2, "--size");
+    expect_refused(folder, {"--peer", "other"}, 2, "embree");
+    expect_refused(folder, {"--peer-robust"}, 2, "--peer embree");
+    expect_refused(folder, {"--peer", "embree", "--peer-quality", "best"}, 2, "medium or high");
+    expect_refused(folder, {"--no-such-option"}, 2, "--no-such-option");
+    expect_refused(folder, {"rigid", "--expect-hashes", "h.txt"}, 2, "--expect-hashes");
+}
+
+TEST(BenchBadInput, FilesThatCannotBeWrittenAreToldBeforeAnythingRuns) {
+    const TempFolder folder;
+    std::filesystem::create_directory(folder / "folder");
+    for (const char* const option : {"--json", "--csv", "--write-hashes"}) {
+        expect_refused(folder, small({option, "nowhere/at/all.txt"}), 2, "nowhere/at/all.txt");
+        expect_refused(folder, small({option, "folder"}), 2, "folder");
+        expect_refused(folder, small({option, ""}), 2, option);
+    }
+}
+
+TEST(BenchBadInput, MissingFilesAreTold) {
+    const TempFolder folder;
+    expect_refused(folder, {"nowhere.glb"}, 2, "nowhere.glb");
+    expect_refused(folder, {"--expect-hashes", "nowhere.txt"}, 1, "nowhere.txt");
+}
+
+TEST(BenchBadInput, BrokenHashFilesNameTheLine) {
+    const TempFolder folder;
+    folder.write("short.txt", "# a comment\nscalar rigid-2 16x16\n");
+    folder.write("digits.txt", "scalar rigid-2 16x16 0123456789abcdeg\n");
+    folder.write("size.txt", "scalar rigid-2 16 0123456789abcdef\n");
+    folder.write("other.txt", "another_target rigid-2 16x16 0123456789abcdef\n");
+    folder.write("empty.txt", "");
+    expect_refused(folder, {"--expect-hashes", "short.txt"}, 1, "short.txt: line 2");
+    expect_refused(folder, {"--expect-hashes", "digits.txt"}, 1, "digits.txt: line 1: '0123456789abcdeg'");
+    expect_refused(folder, {"--expect-hashes", "size.txt"}, 1, "size.txt: line 1");
+    expect_refused(folder, {"--expect-hashes", "other.txt"}, 1, "other.txt: no hashes for");
+    expect_refused(folder, {"--expect-hashes", "empty.txt"}, 1, "empty.txt: no hashes for");
+}
+
+TEST(Bench, ListAndHelpExplain) {
+    const TempFolder folder;
+    const Outcome list = run_bench(folder, {"--list"});
+    EXPECT_EQ(list.exit_code, 0);
+    for (const char* const name : {"default", "static", "rigid", "deforming", "skinned", "arbitrary", "topology", "mixed",
+                                   "instances-1000", "instances-10000", "instances-100000"})
+        EXPECT_NE(list.out.find(std::string("\n  ") + name + " "), std::string::npos) << name;
+    const Outcome help = run_bench(folder, {"--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    for (const char* const option : {"--list", "--frames", "--repeats", "--threads", "--size", "--peer", "--peer-robust",
+                                     "--peer-quality", "--json", "--csv", "--expect-hashes"})
+        EXPECT_NE(help.out.find(option), std::string::npos) << option;
+}
+
+/// Every field that DESIGN names, a number unless told otherwise.
+void expect_numbers(const Json& frame) {
+    for (const char* const field : {"animate_ms", "deform_ms", "update_blas_ms", "build_tlas_ms", "trace_ms", "frame_ms",
+                                    "kept", "refitted", "rebuilt", "rays", "hits"}) {
+        ASSERT_TRUE(frame.contains(field)) << field;
+        EXPECT_TRUE(frame[field].is_number()) << field;
+    }
+    for (const char* const kind : {"primary", "diffuse", "shadow"}) {
+        EXPECT_TRUE(frame["kinds"][kind]["rays"].is_number()) << kind;
+        EXPECT_TRUE(frame["kinds"][kind]["ms"].is_number()) << kind;
+    }
+}
+
+void expect_peer_numbers(const Json& peer) {
+    for (const char* const field : {"update_ms", "build_tlas_ms", "trace_ms", "frame_ms", "rays", "disagreements"})
+        EXPECT_TRUE(peer[field].is_number()) << field;
+    for (const char* const kind : {"primary", "diffuse", "shadow"})
+        EXPECT_TRUE(peer["kinds"][kind]["ms"].is_number()) << kind;
+}
+
+TEST(Bench, JsonHasEveryField) {
+    const TempFolder folder;
+    const Outcome outcome = run_bench(folder, small({"--json", "x.json", "--csv", "x.csv", "--threads", "1"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json json = Json::parse(read(folder / "x.json"));
+    for (const char* const field : {"processor", "compiler", "flags", "simd", "commit"})
+        EXPECT_TRUE(json["machine"][field].is_string()) << field;
+    ASSERT_EQ(json["scenes"].size(), 1u);
+    const Json& scene = json["scenes"][0];
+    EXPECT_EQ(scene["scene"], "instances-20");
+    EXPECT_EQ(scene["threads"], 1);
+    EXPECT_EQ(scene["nodes"]["rigid"], 20);
+    EXPECT_EQ(scene["triangles"], 20 * 80);
+    expect_numbers(scene["warm_up"]);
+    ASSERT_EQ(scene["frames"].size(), 2u);
+    for (const Json& frame : scene["frames"]) {
+        expect_numbers(frame);
+        EXPECT_EQ(frame["hits_hash"].get<std::string>().size(), 16u);
+        EXPECT_EQ(frame["kinds"]["primary"]["rays"], 256);
+        EXPECT_GT(frame["hits"], 0);
+        double sum = 0.0;
+        for (const char* const stage : {"animate_ms", "deform_ms", "update_blas_ms", "build_tlas_ms", "trace_ms"})
+            sum += frame[stage].get<double>();
+        EXPECT_NEAR(frame["frame_ms"].get<double>(), sum, 1e-9);
+        EXPECT_FALSE(frame.contains("peer"));
+    }
+    EXPECT_EQ(scene["frames"][0]["frame"], 1);
+    expect_numbers(scene["median"]);
+    expect_numbers(scene["p99"]);
+
+    const std::vector<std::string> table = lines(read(folder / "x.csv"));
+    ASSERT_EQ(table.size(), 3u);
+    const auto commas = [](const std::string& line) { return std::ranges::count(line, ','); };
+    EXPECT_EQ(commas(table[1]), commas(table[0]));
+    EXPECT_EQ(commas(table[2]), commas(table[0]));
+}
+
+TEST(Bench, ThePeerRunsTheSameFrames) {
+    if (!is_embree_available()) GTEST_SKIP() << "built without Embree";
+    const TempFolder folder;
+    const Outcome outcome =
+        run_bench(folder, {"mixed-1", "--frames", "2", "--size", "48x48", "--peer", "embree", "--peer-robust", "--json",
+                           "x.json", "--csv", "x.csv", "--disagreements", "d.txt"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("robust"), std::string::npos);
+    const Json json = Json::parse(read(folder / "x.json"));
+    const Json& scene = json["scenes"][0];
+    EXPECT_GT(scene["peer"]["tried"].size(), 1u);
+    EXPECT_TRUE(scene["peer"]["configuration"].is_string());
+    EXPECT_TRUE(scene["peer"]["ratios"]["frame"].is_number());
+    uint64_t disagreements = scene["warm_up"]["peer"]["disagreements"].get<uint64_t>();
+    for (const Json& frame : scene["frames"]) {
+        expect_peer_numbers(frame["peer"]);
+        EXPECT_EQ(frame["peer"]["rays"], frame["rays"]);
+        disagreements += frame["peer"]["disagreements"].get<uint64_t>();
+    }
+    expect_peer_numbers(scene["median"]["peer"]);
+    const Json& verdicts = scene["peer"]["disagreements"];
+    EXPECT_EQ(verdicts["peer_right"], 0) << verdicts;
+    EXPECT_EQ(verdicts["neither_right"], 0) << verdicts;
+    EXPECT_LT(disagreements, 20u) << verdicts;
+    EXPECT_TRUE(read(folder / "d.txt").starts_with("# mixed-1\n"));
+}
+
+TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {
+    const TempFolder folder;
+    ASSERT_EQ(run_bench(folder, small({"--threads", "1", "--write-hashes", "h.txt"})).exit_code, 0);
+    const Outcome same = run_bench(folder, {"--expect-hashes", "h.txt", "--threads", "2"});
+    EXPECT_EQ(same.exit_code, 0) << same.err;
+
+    std::string text = read(folder / "h.txt");
+    const size_t last_digit = text.size() - 2;
+    text[last_digit] = text[last_digit] == '0' ? '1' : '0';
+    folder.write("h.txt", text);
+    const Outcome other = run_bench(folder, {"--expect-hashes", "h.txt"});
+    EXPECT_EQ(other.exit_code, 1);
+    EXPECT_NE(other.err.find("instances-20, frame 2"), std::string::npos) << other.err;
+}
+
+TEST(Bench, WritingHashesKeepsOtherTargets) {
+    const TempFolder folder;
+    folder.write("h.txt", "another_target rigid-2 16x16 0123456789abcdef\nscalar rigid-2 16x16 0123456789abcdef\n");
+    ASSERT_EQ(run_bench(folder, small({"--write-hashes", "h.txt"})).exit_code, 0);
+    const std::string text = read(folder / "h.txt");
+    EXPECT_NE(text.find("another_target rigid-2 16x16 0123456789abcdef\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find("scalar rigid-2"), std::string::npos) << text;
+    EXPECT_NE(text.find("scalar instances-20 16x16 "), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace zoe::test
