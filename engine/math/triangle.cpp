@@ -42,13 +42,15 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
     float u = cx * by - cy * bx;
     float v = ax * cy - ay * cx;
     float w = bx * ay - by * ax;
+    // Rounding is monotone, so a float that is not 0 has the sign of the exact value: this needs no more precision.
+    if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
     if (u == 0.0f || v == 0.0f || w == 0.0f) {
         // On an edge in float: decide in double, where the products are exact.
         u = static_cast<float>(double(cx) * by - double(cy) * bx);
         v = static_cast<float>(double(ax) * cy - double(ay) * cx);
         w = static_cast<float>(double(bx) * ay - double(by) * ax);
+        if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
     }
-    if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
     const float determinant = u + v + w;
     if (!(std::abs(determinant) > 0.0f)) return false;  // Zero area, or NaN.
 

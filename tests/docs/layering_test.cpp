@@ -92,6 +92,7 @@ const std::vector<Owner>& owners() {
         {"tinygltf", "tiny_gltf.h", {"engine/scene/gltf"}},
         {"OpenImageIO", "OpenImageIO/", {"engine/scene/image.cpp"}},
         {"TBB", "tbb/", {"engine/math/parallel.cpp"}},
+        {"Highway", "hwy/", {"engine/bvh/traverse"}},
         {"CLI11", "CLI/", {"apps/demo/options.cpp", "apps/bench/", "apps/chart/"}},
         {"GLFW", "GLFW/", {"apps/demo/"}},
         {"Dear ImGui", "imgui", {"apps/demo/"}},
