@@ -12,6 +12,7 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/bvh/traverse.cpp"
+#include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"  // Compiles what follows once an instruction set.
 #include "hwy/highway.h"
 
@@ -29,42 +30,40 @@ constexpr size_t kStackSlack = kWidth;
 // A ray on its way.
 template <bool kIsAny>
 struct Walk {
-    Space space;  // Of what `nodes` and `blocks` belong to.
     const WideNode* nodes;
     const TriangleBlock* blocks;
     Stack stack;
     RawHit hit;
-    uint32_t limit_key;  // Stack entries with a larger key are behind the closest hit.
+    float limit;         // Boxes entered behind it hold nothing closer than `hit`.
+    uint32_t limit_key;  // The same for entries of the stack.
     float t_floor, t_min;
     uint32_t id;  // Of the instance that the ray is in.
     bool is_in_instance;
     bool is_found;
     TraverseCounts counts;
-    Space world;
-    RayFrame world_frame, local_frame;
+    Space world, local;
 
-    explicit Walk(const RayFrame& frame) : world_frame(frame), local_frame(frame) {}
-
-    void start(const WideBvh& tree, float t_max) {
+    void start(const WideNode* root, const RawHit& best, float begin) {
         stack.size = 0;
-        if (!tree.nodes.empty()) push(0, 0);
+        nodes = root;
+        hit = best;
+        t_min = begin;
         is_found = false;
-        hit = RawHit{.t = t_max};
         set_limit();
     }
-    void push(uint32_t key, uint32_t child) {
-        stack.keys[stack.size] = key;
-        stack.children[stack.size++] = child;
+    void set_limit() {
+        limit = hit.t * kCullPad;
+        limit_key = std::bit_cast<uint32_t>(limit) | kSlotMask;
     }
-    void set_limit() { limit_key = std::bit_cast<uint32_t>(hit.t * kCullPad) | kSlotMask; }
 };
 
 template <bool kIsAny>
-HWY_INLINE void test_leaf(Walk<kIsAny>& walk, uint32_t child) {
+HWY_INLINE void test_leaf(Walk<kIsAny>& walk, Space& space, uint32_t child) {
     const TriangleBlock* block = walk.blocks + first_block(child);
+    space.need_frame();
     for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
         walk.counts.triangles += TriangleBlock::kSize;
-        test_block(*block, walk.space, walk.t_floor, walk.t_min, walk.hit.t,
+        test_block(*block, space, walk.t_floor, walk.t_min, walk.hit.t,
                    [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
                        RawHit& hit = walk.hit;
                        const bool is_closer =
@@ -78,135 +77,142 @@ HWY_INLINE void test_leaf(Walk<kIsAny>& walk, uint32_t child) {
     }
 }
 
+// Returns false where the ray does not enter the instance's box.
 template <bool kIsAny>
-HWY_INLINE void enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed, const Ray& ray) {
-    walk.t_floor = entry(walk.world_frame, placed.bounds_world.lo, placed.bounds_world.hi, walk.hit.t);
-    if (!(walk.t_floor < std::numeric_limits<float>::infinity())) return;
+HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed, const Ray& ray) {
+    // Where no transform lies between, the tree's boxes are in the world's: no entry is nearer than the floor would be.
+    walk.t_floor = 0.0f;
     if (!placed.is_identity) {
+        walk.t_floor = entry(walk.world.frame, placed.bounds_world.lo, placed.bounds_world.hi, walk.hit.t);
+        if (!(walk.t_floor < std::numeric_limits<float>::infinity())) return false;
         // The direction is not normalised, so t stays in the world's unit.
-        walk.local_frame = RayFrame(Ray{.origin = placed.local_from_world.point(ray.origin),
-                                        .direction = placed.local_from_world.vector(ray.direction),
-                                        .t_min = ray.t_min});
-        if (!walk.local_frame.is_valid) return;
-        walk.space.set(walk.local_frame);
+        const Ray local{.origin = placed.local_from_world.point(ray.origin),
+                        .direction = placed.local_from_world.vector(ray.direction),
+                        .t_min = ray.t_min};
+        const SlabRay slabs(local);
+        if (!slabs.is_valid) return false;
+        walk.local.set(slabs, local.direction);
     }
     walk.nodes = placed.blas->tree.nodes.data();
     walk.blocks = placed.blas->blocks.data();
     walk.id = placed.id;
     walk.is_in_instance = true;
-    walk.push(0, kLeave);
-    walk.push(0, 0);
-}
-
-// Takes the next entry from the stack. Returns false where there is none.
-template <bool kIsAny>
-HWY_INLINE bool step(Walk<kIsAny>& walk, const TwoLevels& scene, const Ray* ray) {
-    do {
-        if (walk.stack.size == 0) return false;
-        --walk.stack.size;
-    } while (!kIsAny && walk.stack.keys[walk.stack.size] > walk.limit_key);
-    const uint32_t child = walk.stack.children[walk.stack.size];
-    if (!is_leaf(child)) {
-        ++walk.counts.nodes;
-        push_children<kIsAny>(walk.nodes[child], walk.space, walk.hit.t, &walk.stack);
-    } else if (child == kLeave) {
-        walk.is_in_instance = false;
-        walk.space = walk.world;
-        walk.nodes = scene.top->nodes.data();
-    } else if (walk.is_in_instance) {
-        test_leaf(walk, child);
-        if (kIsAny && walk.is_found) return false;
-    } else {
-        enter_instance(walk, scene.instances[first_block(child)], *ray);
-    }
     return true;
 }
 
-// Room for the stack of one ray, in place unless the tree is a degenerate one.
-class StackMemory {
-public:
-    StackMemory(size_t size, Stack* stack) {
-        uint32_t* memory = in_place_;
-        if (size + kStackSlack > kInPlace) {
-            more_.resize(2 * (size + kStackSlack));
-            memory = more_.data();
+// Takes a ray from the root of `walk.nodes` to its end.
+// scene      null where that is no top level.
+template <bool kIsAny>
+HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, const Ray* ray) {
+    Space* space = &walk.world;
+    BoxRay boxes(*space);
+    uint32_t at = 0;
+    for (;;) {
+        bool has_next = false;
+        if (HWY_LIKELY(!is_leaf(at))) {
+            ++walk.counts.nodes;
+            has_next = next_child<kIsAny>(walk.nodes[at], boxes, walk.limit, &walk.stack, &at);
+        } else if (at == kLeave) {
+            walk.is_in_instance = false;
+            space = &walk.world;
+            boxes = BoxRay(*space);
+            walk.nodes = scene->top->nodes.data();
+        } else if (walk.is_in_instance) {
+            test_leaf(walk, *space, at);
+            if (kIsAny && walk.is_found) return;
+        } else {
+            const PlacedBlas& placed = scene->instances[first_block(at)];
+            has_next = enter_instance(walk, placed, *ray);
+            if (has_next) {
+                if (walk.stack.size > 0) {
+                    walk.stack.keys[walk.stack.size] = 0;
+                    walk.stack.children[walk.stack.size++] = kLeave;
+                }
+                at = 0;
+                if (!placed.is_identity) {
+                    space = &walk.local;
+                    boxes = BoxRay(*space);
+                }
+            }
         }
-        stack->keys = memory;
-        stack->children = memory + (more_.empty() ? kInPlace : size + kStackSlack);
-    }
-
-private:
-    static constexpr size_t kInPlace = 256;
-    uint32_t in_place_[2 * kInPlace];
-    std::vector<uint32_t> more_;
-};
-
-void closest_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, RawHit* hits, TraverseCounts* counts) {
-    Walk<false> walk{RayFrame(Ray{})};
-    const StackMemory memory(scene.stack_size, &walk.stack);
-    for (size_t k = 0; k < count; ++k) {
-        const Ray& ray = rays[k];
-        hits[k] = RawHit{};
-        walk.world_frame = RayFrame(ray);
-        if (!walk.world_frame.is_valid || !(ray.t_min <= ray.t_max)) continue;
-        walk.world.set(walk.world_frame);
-        walk.space = walk.world;
-        walk.nodes = scene.top->nodes.data();
-        walk.t_min = ray.t_min;
-        walk.is_in_instance = false;
-        walk.start(*scene.top, ray.t_max);
-        while (step(walk, scene, &ray)) {}
-        if (walk.is_found) hits[k] = walk.hit;
-    }
-    if (counts) {
-        counts->nodes += walk.counts.nodes;
-        counts->triangles += walk.counts.triangles;
+        if (has_next) continue;
+        do {
+            if (walk.stack.size == 0) return;
+            --walk.stack.size;
+        } while (!kIsAny && walk.stack.keys[walk.stack.size] > walk.limit_key);
+        at = walk.stack.children[walk.stack.size];
     }
 }
 
-void any_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, uint8_t* is_hit, TraverseCounts* counts) {
-    Walk<true> walk{RayFrame(Ray{})};
-    const StackMemory memory(scene.stack_size, &walk.stack);
+// Room for the stacks of a few rays, in place unless a tree is a degenerate one.
+template <size_t kCount>
+class StackMemory {
+public:
+    explicit StackMemory(size_t size) : size_(size + kStackSlack) {
+        if (size_ > kInPlace) more_.resize(2 * kCount * size_);
+    }
+    Stack operator[](size_t k) {
+        uint32_t* memory = more_.empty() ? in_place_ + 2 * kInPlace * k : more_.data() + 2 * size_ * k;
+        return {memory, memory + (more_.empty() ? kInPlace : size_)};
+    }
+
+private:
+    static constexpr size_t kInPlace = 248;
+    size_t size_;
+    uint32_t in_place_[2 * kInPlace * kCount];
+    std::vector<uint32_t> more_;
+};
+
+void add(const TraverseCounts& more, TraverseCounts* counts) {
+    if (!counts) return;
+    counts->nodes += more.nodes;
+    counts->triangles += more.triangles;
+}
+
+template <bool kIsAny, typename Finish>
+HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts, Finish&& finish) {
+    StackMemory<1> memory(scene.stack_size);
+    Walk<kIsAny> walk;
+    walk.stack = memory[0];
     for (size_t k = 0; k < count; ++k) {
         const Ray& ray = rays[k];
-        is_hit[k] = 0;
-        walk.world_frame = RayFrame(ray);
-        if (!walk.world_frame.is_valid || !(ray.t_min <= ray.t_max)) continue;
-        walk.world.set(walk.world_frame);
-        walk.space = walk.world;
-        walk.nodes = scene.top->nodes.data();
-        walk.t_min = ray.t_min;
-        walk.is_in_instance = false;
-        walk.start(*scene.top, ray.t_max);
-        while (step(walk, scene, &ray)) {}
-        is_hit[k] = walk.is_found;
+        const SlabRay slabs(ray);
+        walk.start(scene.top->nodes.data(), RawHit{.t = ray.t_max}, ray.t_min);
+        if (slabs.is_valid && ray.t_min <= ray.t_max && !scene.top->nodes.empty()) {
+            walk.is_in_instance = false;
+            walk.world.set(slabs, ray.direction);
+            trace(walk, &scene, &ray);
+        }
+        finish(k, walk);
     }
-    if (counts) {
-        counts->nodes += walk.counts.nodes;
-        counts->triangles += walk.counts.triangles;
-    }
+    add(walk.counts, counts);
+}
+
+void closest_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, RawHit* hits, TraverseCounts* counts) {
+    trace_all<false>(scene, rays, count, counts,
+                     [&](size_t k, const Walk<false>& walk) { hits[k] = walk.is_found ? walk.hit : RawHit{}; });
+}
+
+void any_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, uint8_t* is_hit, TraverseCounts* counts) {
+    trace_all<true>(scene, rays, count, counts, [&](size_t k, const Walk<true>& walk) { is_hit[k] = walk.is_found; });
 }
 
 template <bool kIsAny>
 bool hit_blas(const Blas& blas, const RayFrame& frame, float t_floor, float t_min, BlasHit* hit, TraverseCounts* counts) {
-    if (!frame.is_valid || !(t_min <= hit->t)) return false;
-    Walk<kIsAny> walk{frame};
-    const StackMemory memory(blas.tree.stack_size(), &walk.stack);
-    walk.space.set(frame);
-    walk.nodes = blas.tree.nodes.data();
+    if (!frame.is_valid || !(t_min <= hit->t) || blas.tree.nodes.empty()) return false;
+    Walk<kIsAny> walk;
+    StackMemory<1> memory(blas.tree.stack_size());
+    walk.stack = memory[0];
     walk.blocks = blas.blocks.data();
     walk.t_floor = t_floor;
-    walk.t_min = t_min;
     walk.id = 0;
     walk.is_in_instance = true;
-    walk.start(blas.tree, hit->t);
-    walk.hit = {hit->t, hit->u, hit->v, 0, hit->primitive};
-    while (step(walk, TwoLevels{}, nullptr)) {}
+    walk.world.set(frame, glm::vec3(0.0f));
+    walk.world.set_frame(frame);
+    walk.start(blas.tree.nodes.data(), {hit->t, hit->u, hit->v, 0, hit->primitive}, t_min);
+    trace<kIsAny>(walk, nullptr, nullptr);
     if (walk.is_found) *hit = {walk.hit.t, walk.hit.u, walk.hit.v, walk.hit.primitive};
-    if (counts) {
-        counts->nodes += walk.counts.nodes;
-        counts->triangles += walk.counts.triangles;
-    }
+    add(walk.counts, counts);
     return walk.is_found;
 }
 

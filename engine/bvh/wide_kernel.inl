@@ -22,8 +22,9 @@ using BoxInts = hn::RebindToSigned<BoxTag>;
 constexpr size_t kLanes = HWY_MAX_BYTES >= 32 ? 8 : 4;
 using BlockTag = hn::FixedTag<float, TriangleBlock::kSize>;
 
-// Relative slack of the box test: `entry` moves both ends by 6 ulp and rounds; this is 32.
-constexpr float kCullPad = 1.0f + 32.0f * 1.1920929e-7f;
+// Relative slack of the box test, put on the far planes and on the closest t so far: `entry` moves both ends by 6 ulp and
+// rounds; this is 64. It is more than the rounding of the smallest numbers, too, where ulps are no longer relative.
+constexpr float kCullPad = 1.0f + 64.0f * 1.1920929e-7f, kCullStep = 64.0f * 1.4e-45f;
 // The lowest bits of a stack key hold the child's slot; what is left of t is at most 7 ulp nearer, never farther.
 constexpr uint32_t kSlotMask = kWidth - 1, kKeyMask = 0x7fffffffu & ~kSlotMask;
 
@@ -47,47 +48,76 @@ HWY_INLINE V smaller(V a, V b) {
 
 // What the kernels read of a ray in one space.
 struct Space {
-    explicit Space(const RayFrame& ray) { set(ray); }
-    Space() = default;
-    void set(const RayFrame& ray) {
-        frame = &ray;
+    // The part that boxes are tested with; the triangles' is made when the first leaf is reached.
+    void set(const SlabRay& slabs, const glm::vec3& ray_direction) {
+        static_cast<SlabRay&>(frame) = slabs;
+        direction = ray_direction;
+        has_frame = false;
+        for (int k = 0; k < 3; ++k) {
+            const float inverse = slabs.inverse_direction[k];
+            far_inverse[k] = inverse * kCullPad + std::copysign(kCullStep, inverse);
+            near_row[k] = (2 * k + (slabs.is_negative[k] ? 1 : 0)) * kWidth;
+        }
+    }
+    void set_frame(const RayFrame& ray) {
+        frame = ray;
+        has_frame = true;
         const int order[3] = {ray.kx, ray.ky, ray.kz};
         const float shears[3] = {ray.shear_x, ray.shear_y, ray.shear_z};
         for (int k = 0; k < 3; ++k) {
-            origin[k] = ray.origin[k];
-            inverse[k] = ray.inverse_direction[k];
-            near_row[k] = (2 * k + (ray.is_negative[k] ? 1 : 0)) * kWidth;
-            far_row[k] = near_row[k] ^ kWidth;
             sheared_row[k] = order[k] * TriangleBlock::kSize;
             sheared_origin[k] = ray.origin[order[k]];
             shear[k] = shears[k];
         }
     }
+    void need_frame() {
+        if (!has_frame) set_frame(RayFrame(frame, direction));
+    }
 
-    float origin[3], inverse[3];
-    uint32_t near_row[3], far_row[3];  // Rows of WideNode::planes, as offsets in floats.
-    uint32_t sheared_row[3];           // Rows of TriangleBlock::corners: along kx, ky, kz.
+    float far_inverse[3];
+    uint32_t near_row[3];     // Rows of WideNode::planes, as offsets in floats.
+    uint32_t sheared_row[3];  // Rows of TriangleBlock::corners: along kx, ky, kz.
     float sheared_origin[3], shear[3];
-    const RayFrame* frame;
+    glm::vec3 direction;
+    bool has_frame;
+    RayFrame frame;
 };
 
-// The distances at which a ray enters and leaves lanes [lane, lane + kLanes) of a node's boxes.
-struct Slabs {
-    hn::Vec<BoxTag> in, out;
+// The same in registers, for the box tests.
+struct BoxRay {
+    explicit HWY_INLINE BoxRay(const Space& space) {
+        const BoxTag d;
+        const SlabRay& ray = space.frame;
+        origin_x = hn::Set(d, ray.origin.x), origin_y = hn::Set(d, ray.origin.y), origin_z = hn::Set(d, ray.origin.z);
+        near_x = hn::Set(d, ray.inverse_direction.x), near_y = hn::Set(d, ray.inverse_direction.y),
+        near_z = hn::Set(d, ray.inverse_direction.z);
+        far_x = hn::Set(d, space.far_inverse[0]), far_y = hn::Set(d, space.far_inverse[1]),
+        far_z = hn::Set(d, space.far_inverse[2]);
+        row_x = space.near_row[0], row_y = space.near_row[1], row_z = space.near_row[2];
+    }
+
+    hn::Vec<BoxTag> origin_x, origin_y, origin_z, near_x, near_y, near_z, far_x, far_y, far_z;
+    size_t row_x, row_y, row_z;
 };
-HWY_INLINE Slabs test_boxes(const WideNode& node, const Space& ray, float limit, size_t lane) {
+
+// Tests lanes [lane, lane + kLanes) of a node's boxes: which are entered, and where.
+struct Entered {
+    hn::Mask<BoxTag> mask;
+    hn::Vec<BoxTag> t;
+};
+HWY_INLINE Entered test_boxes(const WideNode& node, const BoxRay& ray, hn::Vec<BoxTag> limit, size_t lane) {
     const BoxTag d;
     const float* planes = &node.planes[0][0] + lane;
-    const auto distance = [&](uint32_t row, int axis) HWY_ATTR {
-        return hn::Mul(hn::Sub(hn::Load(d, planes + row), hn::Set(d, ray.origin[axis])), hn::Set(d, ray.inverse[axis]));
-    };
-    auto in = hn::Zero(d);
-    auto out = hn::Set(d, limit);
-    for (int axis = 0; axis < 3; ++axis) {
-        in = larger(distance(ray.near_row[axis], axis), in);
-        out = smaller(distance(ray.far_row[axis], axis), out);
-    }
-    return {in, hn::Mul(out, hn::Set(d, kCullPad))};
+    const auto near_x = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_x), ray.origin_x), ray.near_x);
+    const auto near_y = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_y), ray.origin_y), ray.near_y);
+    const auto near_z = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_z), ray.origin_z), ray.near_z);
+    const auto far_x = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_x ^ kWidth)), ray.origin_x), ray.far_x);
+    const auto far_y = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_y ^ kWidth)), ray.origin_y), ray.far_y);
+    const auto far_z = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_z ^ kWidth)), ray.origin_z), ray.far_z);
+    // A distance is the first operand: where it is NaN, the slab does not limit.
+    const auto in = larger(near_z, larger(near_y, larger(near_x, hn::Zero(d))));
+    const auto out = smaller(far_z, smaller(far_y, smaller(far_x, limit)));
+    return {hn::Le(in, out), in};
 }
 
 // Entries to come, nearest last: `keys` hold the entry's distance.
@@ -122,55 +152,81 @@ HWY_INLINE hn::Vec<BoxInts> sort_descending(hn::Vec<BoxInts> v) {
 
 #endif
 
-// Pushes the children that the ray enters: nearest last, or in any order for `kIsAny`.
+// Tests a node's boxes. The nearest child that is entered (any of them for `kIsAny`) is given back, the others are pushed,
+// farthest first. Returns false where there is none.
 template <bool kIsAny>
-HWY_INLINE void push_children(const WideNode& node, const Space& ray, float limit, Stack* stack) {
+HWY_INLINE bool next_child(const WideNode& node, const BoxRay& ray, float limit, Stack* stack, uint32_t* child) {
     const BoxTag d;
     const BoxBits bits;
-    const BoxInts ints;
 #if HWY_MAX_BYTES >= 32
-    const Slabs slabs = test_boxes(node, ray, limit, 0);
-    const auto is_entered = hn::Le(slabs.in, slabs.out);
-    const size_t count = hn::CountTrue(d, is_entered);
-    const auto children = hn::Load(bits, node.child);
+    const Entered entered = test_boxes(node, ray, hn::Set(d, limit), 0);
+    uint8_t mask_bits[8];
+    hn::StoreMaskBits(d, entered.mask, mask_bits);
+    const uint32_t mask = mask_bits[0];
+    if (mask == 0) return false;
     if (kIsAny) {
-        hn::StoreU(hn::Compress(children, hn::RebindMask(bits, is_entered)), bits, stack->children + stack->size);
-        stack->size += count;
-        return;
+        // The last one is given back, and lands where the next one is pushed.
+        *child = node.child[31 - std::countl_zero(mask)];
+        if ((mask & (mask - 1)) == 0) return true;
+        hn::StoreU(hn::Compress(hn::Load(bits, node.child), hn::RebindMask(bits, entered.mask)), bits,
+                   stack->children + stack->size);
+        stack->size += std::popcount(mask) - 1;
+        return true;
     }
-    const auto keys = hn::Or(hn::And(hn::BitCast(bits, slabs.in), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
+    const uint32_t first = static_cast<uint32_t>(std::countr_zero(mask)), rest = mask & (mask - 1);
+    if (rest == 0) {
+        *child = node.child[first];
+        return true;
+    }
+    if ((rest & (rest - 1)) == 0) {
+        const uint32_t second = static_cast<uint32_t>(std::countr_zero(rest));
+        HWY_ALIGN uint32_t t[kWidth];
+        hn::Store(hn::BitCast(bits, entered.t), bits, t);
+        const bool is_in_order = t[first] <= t[second];
+        const uint32_t nearer = is_in_order ? first : second, farther = is_in_order ? second : first;
+        stack->keys[stack->size] = t[farther];
+        stack->children[stack->size++] = node.child[farther];
+        *child = node.child[nearer];
+        return true;
+    }
+    const BoxInts ints;
+    const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
     // What is not entered sorts behind all keys, and so above the new top of the stack.
     const auto sorted = sort_descending(
-        hn::IfThenElse(hn::RebindMask(ints, is_entered), hn::BitCast(ints, keys), hn::Set(ints, -1)));
+        hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
     const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
+    const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
     hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
-    hn::StoreU(hn::TableLookupLanes(children, hn::IndicesFromVec(bits, slots)), bits, stack->children + stack->size);
-    stack->size += count;
+    hn::StoreU(children, bits, stack->children + stack->size);
+    stack->size += std::popcount(rest);
+    *child = stack->children[stack->size];
+    return true;
 #else
     HWY_ALIGN uint32_t keys[kWidth];
-    uint32_t entered = 0;
+    uint32_t mask = 0;
     for (size_t lane = 0; lane < kWidth; lane += kLanes) {
-        const Slabs slabs = test_boxes(node, ray, limit, lane);
+        const Entered entered = test_boxes(node, ray, hn::Set(d, limit), lane);
         uint8_t mask_bits[8];
-        hn::StoreMaskBits(d, hn::Le(slabs.in, slabs.out), mask_bits);
-        entered |= (mask_bits[0] & 15u) << lane;
-        hn::Store(hn::And(hn::BitCast(bits, slabs.in), hn::Set(bits, kKeyMask)), bits, keys + lane);
+        hn::StoreMaskBits(d, entered.mask, mask_bits);
+        mask |= (mask_bits[0] & 15u) << lane;
+        hn::Store(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), bits, keys + lane);
     }
-    (void)ints;
+    if (mask == 0) return false;
     const size_t bottom = stack->size;
-    for (; entered != 0; entered &= entered - 1) {
-        const auto slot = static_cast<uint32_t>(std::countr_zero(entered));
-        const uint32_t key = keys[slot] | slot;
+    for (; mask != 0; mask &= mask - 1) {
+        const auto slot = static_cast<uint32_t>(std::countr_zero(mask));
         size_t at = stack->size++;
         if (!kIsAny) {
-            for (; at > bottom && stack->keys[at - 1] < key; --at) {
+            for (; at > bottom && stack->keys[at - 1] < keys[slot]; --at) {
                 stack->keys[at] = stack->keys[at - 1];
                 stack->children[at] = stack->children[at - 1];
             }
         }
-        stack->keys[at] = key;
+        stack->keys[at] = keys[slot];
         stack->children[at] = node.child[slot];
     }
+    *child = stack->children[--stack->size];
+    return true;
 #endif
 }
 
@@ -208,7 +264,7 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     for (uint32_t edges = edge_bits[0] & 15u; edges != 0; edges &= edges - 1) {
         const int slot = std::countr_zero(edges);
         TriangleHit hit;
-        if (intersect(*ray.frame, block.triangle(slot), t_floor, t_min, t_max, &hit)) {
+        if (intersect(ray.frame, block.triangle(slot), t_floor, t_min, t_max, &hit)) {
             found(hit.t, hit.u, hit.v, block.primitive[slot]);
         }
     }
@@ -225,8 +281,8 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
         const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * TriangleBlock::kSize),
                 c = hn::Load(d, row + 6 * TriangleBlock::kSize);
         const V lo = smaller(c, smaller(b, a)), hi = larger(c, larger(b, a));
-        const bool is_negative = ray.frame->is_negative[axis];
-        const V origin = hn::Set(d, ray.origin[axis]), inverse = hn::Set(d, ray.inverse[axis]);
+        const bool is_negative = ray.frame.is_negative[axis];
+        const V origin = hn::Set(d, ray.frame.origin[axis]), inverse = hn::Set(d, ray.frame.inverse_direction[axis]);
         in = larger(hn::Mul(hn::Sub(is_negative ? hi : lo, origin), inverse), in);
         out = smaller(hn::Mul(hn::Sub(is_negative ? lo : hi, origin), inverse), out);
     }
