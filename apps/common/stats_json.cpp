@@ -188,10 +188,6 @@ Ratios ratios_to_peer(const std::vector<FrameRecord>& frames) {
                                   [](const PeerStats& p) { return p.frame_ms(); })};
 }
 
-const char* simd_target() {
-    return "scalar";
-}
-
 std::string stats_json(const RunStats& run) {
     return text(run_json(run));
 }

@@ -59,9 +59,6 @@ struct Ratios {
 };
 Ratios ratios_to_peer(const std::vector<FrameRecord>& frames);
 
-/// The vector instructions that the engine's kernels use on this machine.
-const char* simd_target();
-
 /// Fills in everything but the frames.
 /// Requires   an `advance` of the scene before.
 RunStats describe_run(const std::string& name, const Scene& scene, const Tlas& tlas);

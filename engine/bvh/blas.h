@@ -2,32 +2,65 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
-#include "engine/bvh/bvh.h"
+#include "engine/bvh/wide.h"
 #include "engine/math/triangle.h"
 
 namespace zoe {
 
-/// The tree of one mesh: a BVH and its triangles in the order of the leaves.
+/// Four triangles side by side, tested together. A slot that holds none, or one with a corner that is not finite, has NaN
+/// corners and is never hit.
+struct alignas(32) TriangleBlock {
+    static constexpr uint32_t kSize = 4;
+
+    float corners[9][kSize];    ///< a.x, a.y, a.z, b.x, ... c.z.
+    uint32_t primitive[kSize];  ///< kEmptyChild: none.
+
+    Triangle triangle(int slot) const;
+};
+
+/// The tree of one mesh.
 struct Blas {
-    Bvh bvh;
-    std::vector<Triangle> triangles;  ///< triangles[k] is primitive bvh.primitives[k].
-    std::vector<Aabb> boxes;          ///< [triangle_count] by primitive; empty for triangles that are not finite.
-    uint32_t not_finite_count = 0;    ///< Triangles with a NaN or infinite corner: in the tree, never hit.
+    WideBvh tree;
+    std::vector<TriangleBlock, HugeAllocator<TriangleBlock>> blocks;
+    uint32_t triangle_count = 0;
+    uint32_t not_finite_count = 0;  ///< Triangles with a NaN or infinite corner: in the tree, never hit.
+
+    size_t byte_count() const { return tree.nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(TriangleBlock); }
 };
 
 enum class BlasBuilder : uint8_t { kSweep, kBinned };
 
+/// Memory that one build hands to the next: for meshes that are rebuilt every frame.
+struct BlasScratch {
+    std::vector<Aabb> boxes;
+    Bvh bvh;
+    std::vector<uint32_t> slots;
+    CollapseScratch collapse;
+};
+
 /// Builds a BLAS over an indexed mesh, into storage that it reuses.
 /// positions  [vertex_count] local space.
 /// corners    [triangle_count] indices into positions; each below vertex_count.
+void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas,
+                BlasScratch* scratch);
 void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas);
 
-/// Moves the triangles to new positions and refits the boxes.
+/// Makes a BLAS of a binary tree over the mesh's triangles from any builder.
+void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
+               BlasScratch* scratch);
+
+/// Moves the triangles to new positions and refits the boxes, bottom up; the topology stays.
 /// positions, corners   as when built; only the positions' values may differ.
-/// Cost       O(triangles), no allocation.
+/// Cost       O(triangles), in parallel, no allocation.
+/// Source     Wald, Boulos, Shirley. Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies. TOG 2007.
 void refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas);
+
+/// Checks the tree, that every triangle is in it with the right corners, and that leaves contain theirs.
+/// Returns    the first broken invariant in words, empty when all hold.
+std::string validate(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners);
 
 }  // namespace zoe

@@ -11,7 +11,8 @@ namespace zoe {
 /// Each node's cost, as `sah_cost` counts it, times the area of the triangles inside its box (closed) that are not in its
 /// subtree, summed over the nodes and divided by the area of all triangles. What a tree costs to trace follows a blend of
 /// `sah_cost` and this.
-/// triangles  [primitive_count] in the order of the leaves, as Blas::triangles. Those without area and those that are not
+/// triangles  [primitive_count] in the order of the leaves: triangles[k] is primitive bvh.primitives[k]. Those without area
+/// and those that are not
 ///            finite add nothing.
 /// Requires   a valid tree, whose boxes contain their triangles. A subtree's leaves may stand anywhere.
 /// Returns    0 where no node reaches into another's surface, and where there is no area. The same number whatever the

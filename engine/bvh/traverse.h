@@ -1,30 +1,70 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "engine/bvh/blas.h"
+#include "engine/math/affine.h"
+#include "engine/math/ray.h"
 
 namespace zoe {
 
 /// Work done by a ray, for `--shade cost` and the charts.
 struct TraverseCounts {
-    uint32_t nodes = 0;      ///< Box tests.
-    uint32_t triangles = 0;  ///< Triangle tests.
+    uint32_t nodes = 0;      ///< Nodes whose eight boxes were tested.
+    uint32_t triangles = 0;  ///< Triangle tests, whole blocks.
 };
+
+/// A tree in the world, as the kernels see it.
+struct PlacedBlas {
+    Affine local_from_world;
+    Aabb bounds_world;
+    const Blas* blas = nullptr;
+    uint32_t id = 0;           ///< Breaks ties before the primitive does.
+    bool is_identity = false;  ///< Local space is world space.
+};
+
+/// A tree over placed trees: its leaves are single blocks of one instance each, instances[k] being block k.
+struct TwoLevels {
+    const WideBvh* top = nullptr;
+    const PlacedBlas* instances = nullptr;
+    size_t stack_size = 0;  ///< Of `top` and the deepest of the instances' trees together.
+};
+
+/// Where a ray meets something. The point is (1 - u - v) a + u b + v c.
+struct RawHit {
+    float t = std::numeric_limits<float>::infinity();
+    float u = 0.0f, v = 0.0f;
+    uint32_t id = kEmptyChild, primitive = kEmptyChild;
+};
+
+/// Finds the closest hit of each ray with t in [t_min, t_max], ties by (t, id, primitive). The kernels are those of the best
+/// instruction set that the processor has; all of them give the hits of `intersect` over every triangle, bit for bit.
+/// hits       [ray_count]
+/// counts     null, or what the work of all rays is added to.
+/// Cost       no allocation unless the tree is deeper than a few dozen levels.
+/// Source     Wald, Benthin, Boulos. Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs.
+///            IEEE RT 2008.
+void closest_hits(const TwoLevels& scene, std::span<const Ray> rays, RawHit* hits, TraverseCounts* counts);
+
+/// Tells for each ray whether anything is hit with t in [t_min, t_max].
+/// is_hit     [ray_count] 1 or 0.
+void any_hits(const TwoLevels& scene, std::span<const Ray> rays, uint8_t* is_hit, TraverseCounts* counts);
 
 struct BlasHit {
     float t = std::numeric_limits<float>::infinity();
     float u = 0.0f, v = 0.0f;
-    uint32_t primitive = 0xffffffffu;
+    uint32_t primitive = kEmptyChild;
 };
 
-/// Finds the closest hit; ties in t go to the lower primitive. Hits at t <= hit->t count, so the caller sets hit->t to the
-/// far end of the ray and hit->primitive to 0xffffffff, or passes a hit to improve on.
-/// t_floor    entry into what holds this BLAS; no hit is nearer (see `intersect`).
+/// The same for one ray and one tree. Hits at t <= hit->t count, ties going to the lower primitive, so the caller sets
+/// hit->t to the far end of the ray and hit->primitive to 0xffffffff, or passes a hit to improve on.
+/// t_floor    entry into what holds the tree; no hit is nearer (see `intersect`).
 /// Returns    true where `hit` was improved.
 bool closest_hit(const Blas& blas, const RayFrame& ray, float t_floor, float t_min, BlasHit* hit, TraverseCounts* counts);
-
-/// Tells whether anything is hit with t in [t_min, t_max]. Stops at the first.
 bool any_hit(const Blas& blas, const RayFrame& ray, float t_floor, float t_min, float t_max, TraverseCounts* counts);
+
+/// The instruction set that the kernels run with on this processor: "sse4", "avx2", "avx3", "neon", "emu128", ...
+const char* simd_target();
 
 }  // namespace zoe

@@ -1,5 +1,6 @@
 #include "engine/frame/build_tlas.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -12,7 +13,7 @@ namespace {
 
 // The instance of a shape; false where it cannot be hit in this frame.
 bool place(const Shape& shape, Scene& scene, const FrameState& state, Instance* instance) {
-    const Aabb bounds = shape.blas->bvh.bounds();
+    const Aabb bounds = shape.blas->tree.bounds();
     if (bounds.is_empty()) return false;
     const NodeId frame = shape.motion.frame;
     const Affine world_from_local = frame == kNone<NodeId> ? Affine{} : state.world_matrices[index(frame)];
@@ -35,6 +36,24 @@ bool place(const Shape& shape, Scene& scene, const FrameState& state, Instance* 
     return true;
 }
 
+// Makes what rays walk through of the binary tree.
+void make_traversed(Tlas* tlas) {
+    collapse(tlas->bvh, {.block_size = 1, .max_leaf_blocks = 1}, &tlas->tree, &tlas->slots, &tlas->scratch);
+    tlas->placed.clear();
+    size_t deepest = 0;
+    for (const uint32_t slot : tlas->slots) {
+        const Instance& instance = tlas->instances[slot];
+        tlas->placed.push_back({.local_from_world = instance.local_from_world,
+                                .bounds_world = instance.bounds_world,
+                                .blas = instance.blas,
+                                .id = index(instance.node),
+                                .is_identity = instance.is_identity});
+        deepest = std::max(deepest, instance.blas->tree.stack_size());
+    }
+    // One more: what brings the ray back from an instance.
+    tlas->stack_size = tlas->tree.stack_size() + deepest + 1;
+}
+
 }  // namespace
 
 void build_tlas(Scene& scene, FrameState* state) {
@@ -50,6 +69,7 @@ void build_tlas(Scene& scene, FrameState* state) {
         state->bounds.push_back(instance.bounds_world);
     }
     tlas.bvh = build_agglomerative(state->bounds, std::move(tlas.bvh));
+    make_traversed(&tlas);
 }
 
 }  // namespace zoe

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/bvh/blas.h"
+#include "engine/bvh/traverse.h"
 #include "engine/math/affine.h"
 #include "engine/scene/scene.h"
 
@@ -27,13 +27,19 @@ struct Instance {
 
 /// One tree over all instances of a frame. Valid until the next `advance` or edit of its scene.
 struct Tlas {
-    Bvh bvh;                                 ///< Primitives are positions in `instances`.
+    Bvh bvh;                                 ///< As built; primitives are positions in `instances`.
+    WideBvh tree;                            ///< As traversed: block k is placed[k].
+    std::vector<PlacedBlas> placed;          ///< [instances] what the kernels read of them.
+    size_t stack_size = 0;                   ///< Entries that a ray may have to keep, on both levels.
     std::vector<Instance> instances;         ///< In order of their nodes.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
+    std::vector<uint32_t> slots;             ///< [instances] positions in `instances`, in order of `placed`.
+    CollapseScratch scratch;                 ///< Memory that one frame hands to the next.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }
     Aabb bounds() const { return bvh.bounds(); }
+    TwoLevels levels() const { return {&tree, placed.data(), stack_size}; }
 };
 
 }  // namespace zoe

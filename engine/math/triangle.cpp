@@ -3,31 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace zoe {
-
-namespace {
-
-// Below this a component's reciprocal may overflow although it matters beside the longest one.
-constexpr float kShortestDirection = 1e-30f;
-
-}  // namespace
-
-RayFrame::RayFrame(const Ray& ray) : origin(ray.origin) {
-    const glm::vec3 d = ray.direction;
-    const glm::vec3 size = glm::abs(d);
-    inverse_direction = 1.0f / d;
-    for (int axis = 0; axis < 3; ++axis) is_negative[axis] = std::signbit(d[axis]);
-    kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    kx = kz == 2 ? 0 : kz + 1;
-    ky = kx == 2 ? 0 : kx + 1;
-    if (d[kz] < 0.0f) std::swap(kx, ky);  // Keeps the winding.
-    shear_x = d[kx] / d[kz];
-    shear_y = d[ky] / d[kz];
-    shear_z = 1.0f / d[kz];
-    is_valid = is_finite(d) && is_finite(origin) && size[kz] >= kShortestDirection && ray.t_min >= 0.0f;
-}
 
 bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, float t_min, float t_max, TriangleHit* hit) {
     // Sheared space: the ray starts at 0 and runs along +z, so the test is in 2D.
@@ -42,13 +19,15 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
     float u = cx * by - cy * bx;
     float v = ax * cy - ay * cx;
     float w = bx * ay - by * ax;
+    // Rounding is monotone, so a float that is not 0 has the sign of the exact value: this needs no more precision.
+    if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
     if (u == 0.0f || v == 0.0f || w == 0.0f) {
         // On an edge in float: decide in double, where the products are exact.
         u = static_cast<float>(double(cx) * by - double(cy) * bx);
         v = static_cast<float>(double(ax) * cy - double(ay) * cx);
         w = static_cast<float>(double(bx) * ay - double(by) * ax);
+        if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
     }
-    if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
     const float determinant = u + v + w;
     if (!(std::abs(determinant) > 0.0f)) return false;  // Zero area, or NaN.
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "engine/math/aabb.h"
 #include "engine/math/ray.h"
@@ -21,23 +23,56 @@ inline Aabb bounds(const Triangle& t) {
     return box;
 }
 
-/// What a ray's box and triangle tests share: computed once a ray and space.
-struct RayFrame {
+/// What a ray's box tests share: computed once a ray and space.
+struct SlabRay {
     glm::vec3 origin;
     glm::vec3 inverse_direction;  ///< Infinite, with the sign of the zero, where a component is 0.
     bool is_negative[3];          ///< Sign of each component: which of a slab's planes is entered first.
+    bool is_valid;  ///< False for a direction shorter than 1e-30, or anything not finite: such a ray hits nothing.
+
+    SlabRay() = default;
+    explicit SlabRay(const Ray& ray);
+};
+
+/// What its triangle tests share besides.
+struct RayFrame : SlabRay {
     float shear_x, shear_y, shear_z;
     int kx, ky, kz;  ///< kz: the axis along which the direction is longest.
-    bool is_valid;   ///< False for a direction shorter than 1e-30, or anything not finite: such a ray hits nothing.
 
-    explicit RayFrame(const Ray& ray);
+    RayFrame() = default;
+    explicit RayFrame(const Ray& ray) : RayFrame(SlabRay(ray), ray.direction) {}
+    RayFrame(const SlabRay& slabs, const glm::vec3& direction);
 };
+
+/// Below this a component's reciprocal may overflow although it matters beside the longest one.
+inline constexpr float kShortestDirection = 1e-30f;
+
+inline SlabRay::SlabRay(const Ray& ray) : origin(ray.origin), inverse_direction(1.0f / ray.direction) {
+    constexpr float kMax = std::numeric_limits<float>::max();
+    const glm::vec3 size = glm::abs(ray.direction), place = glm::abs(ray.origin);
+    // Without branches, and false for NaN.
+    is_valid = (size.x <= kMax) & (size.y <= kMax) & (size.z <= kMax) & (place.x <= kMax) & (place.y <= kMax) &
+               (place.z <= kMax) & (ray.t_min >= 0.0f) &
+               ((size.x >= kShortestDirection) | (size.y >= kShortestDirection) | (size.z >= kShortestDirection));
+    for (int axis = 0; axis < 3; ++axis) is_negative[axis] = std::signbit(ray.direction[axis]);
+}
+
+inline RayFrame::RayFrame(const SlabRay& slabs, const glm::vec3& d) : SlabRay(slabs) {
+    const glm::vec3 size = glm::abs(d);
+    kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    kx = kz == 2 ? 0 : kz + 1;
+    ky = kx == 2 ? 0 : kx + 1;
+    if (d[kz] < 0.0f) std::swap(kx, ky);  // Keeps the winding.
+    shear_x = d[kx] / d[kz];
+    shear_y = d[ky] / d[kz];
+    shear_z = inverse_direction[kz];
+}
 
 /// Slab test.
 /// Returns    the entry `t` (at least 0), or +infinity on a miss. Monotone: a box that contains another is entered no
 ///            later, to the last bit, which is what makes hits independent of the tree.
 /// Source     Ize. Robust BVH Ray Traversal. JCGT 2013. Deviation: both ends are padded, by kBoxPad.
-inline float entry(const RayFrame& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max);
+inline float entry(const SlabRay& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max);
 
 struct TriangleHit {
     float t, u, v;  ///< The point is (1 - u - v) a + u b + v c.
@@ -54,7 +89,7 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
 /// Relative widening of a slab interval at each end: covers the rounding of both tests (6 ulp).
 inline constexpr float kBoxPad = 6.0f * 1.1920929e-7f;
 
-inline float entry(const RayFrame& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max) {
+inline float entry(const SlabRay& ray, const glm::vec3& lo, const glm::vec3& hi, float t_max) {
     float t_in = 0.0f, t_out = std::numeric_limits<float>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
         const float first = ray.is_negative[axis] ? hi[axis] : lo[axis];

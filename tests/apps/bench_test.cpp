@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/bench/peer_embree.h"
+#include "engine/bvh/traverse.h"
 #include "tests/apps/run_program.h"
 #include "tests/support/temp_folder.h"
 
@@ -80,9 +81,10 @@ TEST(BenchBadInput, MissingFilesAreTold) {
 
 TEST(BenchBadInput, BrokenHashFilesNameTheLine) {
     const TempFolder folder;
-    folder.write("short.txt", "# a comment\nscalar rigid-2 16x16\n");
-    folder.write("digits.txt", "scalar rigid-2 16x16 0123456789abcdeg\n");
-    folder.write("size.txt", "scalar rigid-2 16 0123456789abcdef\n");
+    const std::string simd = simd_target();
+    folder.write("short.txt", "# a comment\n" + simd + " rigid-2 16x16\n");
+    folder.write("digits.txt", simd + " rigid-2 16x16 0123456789abcdeg\n");
+    folder.write("size.txt", simd + " rigid-2 16 0123456789abcdef\n");
     folder.write("other.txt", "another_target rigid-2 16x16 0123456789abcdef\n");
     folder.write("empty.txt", "");
     expect_refused(folder, {"--expect-hashes", "short.txt"}, 1, "short.txt: line 2");
@@ -207,12 +209,13 @@ TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {
 
 TEST(Bench, WritingHashesKeepsOtherTargets) {
     const TempFolder folder;
-    folder.write("h.txt", "another_target rigid-2 16x16 0123456789abcdef\nscalar rigid-2 16x16 0123456789abcdef\n");
+    const std::string simd = simd_target();
+    folder.write("h.txt", "another_target rigid-2 16x16 0123456789abcdef\n" + simd + " rigid-2 16x16 0123456789abcdef\n");
     ASSERT_EQ(run_bench(folder, small({"--write-hashes", "h.txt"})).exit_code, 0);
     const std::string text = read(folder / "h.txt");
     EXPECT_NE(text.find("another_target rigid-2 16x16 0123456789abcdef\n"), std::string::npos) << text;
-    EXPECT_EQ(text.find("scalar rigid-2"), std::string::npos) << text;
-    EXPECT_NE(text.find("scalar instances-20 16x16 "), std::string::npos) << text;
+    EXPECT_EQ(text.find(simd + " rigid-2"), std::string::npos) << text;
+    EXPECT_NE(text.find(simd + " instances-20 16x16 "), std::string::npos) << text;
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ const RayCase& case_named(const std::string& mesh_name, bool is_coherent) {
     if (found != cases.end()) return found->second;
     RayCase& made = cases[{mesh_name, is_coherent}];
     made.blas = built(mesh_named(mesh_name), BlasBuilder::kSweep);
-    const Aabb box = made.blas.bvh.bounds();
+    const Aabb box = made.blas.tree.bounds();
     made.rays = is_coherent ? coherent_rays(box, kSide) : incoherent_rays(box, kSide * kSide);
     const Blas other = built(mesh_named(mesh_name), BlasBuilder::kBinned);
     for (const Ray& ray : made.rays) {

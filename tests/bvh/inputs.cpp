@@ -165,10 +165,10 @@ bool accepts(const NamedBuilder& builder, std::span<const Aabb> boxes) {
            std::all_of(boxes.begin(), boxes.end(), [](const Aabb& box) { return box.is_finite() && !box.is_empty(); });
 }
 
-Blas blas_from(Bvh bvh, const TestMesh& mesh) {
+Blas blas_from(const Bvh& bvh, const TestMesh& mesh) {
     Blas blas;
-    blas.bvh = std::move(bvh);
-    for (const uint32_t primitive : blas.bvh.primitives) blas.triangles.push_back(mesh.triangle(primitive));
+    BlasScratch scratch;
+    make_blas(bvh, mesh.positions, mesh.corners, &blas, &scratch);
     return blas;
 }
 

@@ -45,9 +45,12 @@ TEST(Traverse, AChainOfAHundredThousandNodesDoesNotOverflow) {
     constexpr int kCount = 100000;
     const TestMesh mesh = stack_of_triangles(kCount);
     const std::vector<Aabb> boxes = mesh.boxes();
-    const Blas blas = blas_from(chain_over(boxes), mesh);
-    ASSERT_EQ(validate(blas.bvh, boxes), "");
-    ASSERT_EQ(depth(blas.bvh), kCount);
+    const Bvh chain = chain_over(boxes);
+    ASSERT_EQ(validate(chain, boxes), "");
+    ASSERT_EQ(depth(chain), kCount);
+    const Blas blas = blas_from(chain, mesh);
+    ASSERT_EQ(validate(blas, mesh.positions, mesh.corners), "");
+    ASSERT_GT(blas.tree.level_ends.size(), kCount / 64u);
     const BlasHit from_above = closest_hit(blas, {{0, 0, kCount}, {0, 0, -1}});
     EXPECT_EQ(from_above.primitive, uint32_t(kCount - 1));
     EXPECT_EQ(from_above.t, 1.0f);
@@ -139,7 +142,7 @@ TEST(Traverse, CountsItsWork) {
     BlasHit hit;
     closest_hit(blas, RayFrame({{0, 0, 30}, {0, 0, -1}}), 0.0f, 0.0f, &hit, &counts);
     EXPECT_GT(counts.nodes, 1u);
-    EXPECT_LT(counts.nodes, blas.bvh.nodes.size() / 2);
+    EXPECT_LT(counts.nodes, blas.tree.nodes.size() / 2);
     EXPECT_GT(counts.triangles, 0u);
     const TraverseCounts once = counts;
     hit = {};

@@ -1,0 +1,105 @@
+#include "engine/bvh/wide.h"
+
+#include <algorithm>
+
+#include "engine/math/parallel.h"
+
+namespace zoe {
+
+namespace {
+
+// A level with fewer nodes is not worth waking other threads for.
+constexpr size_t kGrain = 1024;
+
+std::string at(size_t node, int slot) {
+    return "node " + std::to_string(node) + " child " + std::to_string(slot) + ": ";
+}
+
+void fit_inner(WideBvh* wide, size_t k) {
+    WideNode& node = wide->nodes[k];
+    for (int slot = 0; slot < kWidth; ++slot) {
+        if (!is_leaf(node.child[slot])) node.set_box(slot, wide->nodes[node.child[slot]].bounds());
+    }
+}
+
+}  // namespace
+
+void WideNode::set_box(int slot, const Aabb& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+        planes[2 * axis][slot] = box.lo[axis];
+        planes[2 * axis + 1][slot] = box.hi[axis];
+    }
+}
+
+Aabb WideNode::bounds() const {
+    Aabb bounds;
+    for (int slot = 0; slot < kWidth; ++slot) bounds.extend(box(slot));
+    return bounds;
+}
+
+void refit_inner(WideBvh* wide) {
+    for (size_t level = wide->level_ends.size(); level-- > 0;) {
+        const size_t begin = level == 0 ? 0 : wide->level_ends[level - 1];
+        parallel_for(begin, wide->level_ends[level], kGrain, [&](size_t from, size_t to) {
+            for (size_t k = from; k < to; ++k) fit_inner(wide, k);
+        });
+    }
+}
+
+std::string validate(const WideBvh& wide, size_t block_total) {
+    const size_t node_count = wide.nodes.size();
+    if (node_count == 0) {
+        if (!wide.level_ends.empty()) return "levels without nodes";
+        return block_total == 0 ? "" : "no nodes over " + std::to_string(block_total) + " blocks";
+    }
+    if (!std::is_sorted(wide.level_ends.begin(), wide.level_ends.end()) || wide.level_ends.empty() ||
+        wide.level_ends[0] != 1 || wide.level_ends.back() != node_count) {
+        return "the levels are not those of a tree";
+    }
+    std::vector<uint8_t> is_child(node_count, 0), block_seen(block_total, 0);
+    size_t level = 0;
+    for (size_t k = 0; k < node_count; ++k) {
+        if (k == wide.level_ends[level]) ++level;
+        for (int slot = 0; slot < kWidth; ++slot) {
+            const uint32_t child = wide.nodes[k].child[slot];
+            const Aabb box = wide.nodes[k].box(slot);
+            if (child == kEmptyChild) {
+                if (!box.is_empty()) return at(k, slot) + "a box without a child";
+            } else if (is_leaf(child)) {
+                if (uint64_t(first_block(child)) + block_count(child) > block_total) return at(k, slot) + "blocks out of range";
+                for (uint32_t block = first_block(child); block < first_block(child) + block_count(child); ++block) {
+                    if (block_seen[block]++) return at(k, slot) + "block " + std::to_string(block) + " is in two leaves";
+                }
+            } else {
+                if (level + 1 >= wide.level_ends.size() || child < wide.level_ends[level] ||
+                    child >= wide.level_ends[level + 1]) {
+                    return at(k, slot) + "not on the next level";
+                }
+                if (is_child[child]++) return at(k, slot) + "has two parents";
+                if (!box.contains(wide.nodes[child].bounds())) return at(k, slot) + "does not contain its children";
+            }
+        }
+    }
+    for (size_t k = 1; k < node_count; ++k) {
+        if (!is_child[k]) return "node " + std::to_string(k) + " is no one's child";
+    }
+    const auto lost = std::find(block_seen.begin(), block_seen.end(), 0);
+    if (lost != block_seen.end()) return "block " + std::to_string(lost - block_seen.begin()) + " is in no leaf";
+    return "";
+}
+
+double sah_cost(const WideBvh& wide, float block_cost) {
+    const double root_area = wide.bounds().half_area();
+    if (!(root_area > 0.0)) return 0.0;
+    double cost = root_area;
+    for (const WideNode& node : wide.nodes) {
+        for (int slot = 0; slot < kWidth; ++slot) {
+            const uint32_t child = node.child[slot];
+            if (child == kEmptyChild) continue;
+            cost += node.box(slot).half_area() * (is_leaf(child) ? double(block_cost) * block_count(child) : 1.0);
+        }
+    }
+    return cost / root_area;
+}
+
+}  // namespace zoe

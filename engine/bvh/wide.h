@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/bvh/bvh.h"
+#include "engine/math/huge_allocator.h"
+
+namespace zoe {
+
+/// How many children a node has room for.
+inline constexpr int kWidth = 8;
+
+/// A node of the tree that is traversed: eight boxes side by side, four cache lines. A slot without a child holds an empty
+/// box, which no ray enters.
+struct alignas(64) WideNode {
+    float planes[6][kWidth];  ///< lo.x, hi.x, lo.y, hi.y, lo.z, hi.z of each child.
+    uint32_t child[kWidth];   ///< See `leaf_child`; a node's index where it is no leaf.
+    uint32_t unused[kWidth];  ///< Fills the line.
+
+    Aabb box(int slot) const {
+        return {{planes[0][slot], planes[2][slot], planes[4][slot]}, {planes[1][slot], planes[3][slot], planes[5][slot]}};
+    }
+    void set_box(int slot, const Aabb& box);
+    /// Around all children.
+    Aabb bounds() const;
+};
+
+/// A leaf's child word: the first of its blocks, and how many follow each other.
+inline constexpr uint32_t kLeafBit = 0x80000000u, kEmptyChild = 0xffffffffu;
+inline constexpr uint32_t kMaxLeafBlocks = 16, kMaxBlocks = (1u << 27) - 1;
+inline uint32_t leaf_child(uint32_t first, uint32_t count) {
+    return kLeafBit | (count - 1) << 27 | first;
+}
+inline bool is_leaf(uint32_t child) {
+    return (child & kLeafBit) != 0;
+}
+inline uint32_t first_block(uint32_t child) {
+    return child & kMaxBlocks;
+}
+inline uint32_t block_count(uint32_t child) {
+    return (child >> 27 & 15) + 1;
+}
+
+/// A BVH of eight children a node. The root is nodes[0]; a level stands after the one above it, so a loop over the levels
+/// from the back visits children first. What a block is belongs to whoever owns the tree. Empty: no nodes.
+struct WideBvh {
+    std::vector<WideNode, HugeAllocator<WideNode>> nodes;
+    std::vector<uint32_t> level_ends;  ///< [depth] nodes of level k stand in [level_ends[k - 1], level_ends[k]).
+
+    Aabb bounds() const { return nodes.empty() ? Aabb{} : nodes[0].bounds(); }
+    /// Entries that a traversal may have to keep at once.
+    size_t stack_size() const { return level_ends.size() * (kWidth - 1) + 1; }
+};
+
+struct CollapseConfig {
+    uint32_t block_size = 4;        ///< Primitives that are tested together.
+    uint32_t max_leaf_blocks = 4;   ///< 1 to 16.
+    float block_cost = 0.7f;        ///< Cost of testing a block, in units of testing a node's eight boxes.
+};
+
+/// Memory that one collapse hands to the next.
+struct CollapseScratch {
+    struct Plan {
+        float costs[kWidth - 1];  ///< [k] the least cost of the subtree as a forest of at most k + 1 trees.
+        uint32_t primitive_count;
+    };
+    std::vector<Plan> plans;                  ///< [binary nodes]
+    std::vector<uint32_t> open, next;         ///< Binary nodes of a level, in the order of their wide nodes.
+    std::vector<uint32_t> below;              ///< Nodes of a subtree that are still to be visited.
+};
+
+/// Makes the wide tree of a binary one: the one of least SAH cost among all that join the binary tree's nodes, its leaves
+/// counted in blocks.
+/// slots      result: [blocks * block_size] primitives block by block; kEmptyChild where a leaf's last block is not full.
+/// Requires   binary leaves of at most max_leaf_blocks * block_size primitives.
+/// Cost       O(nodes); no allocation where `wide`, `slots` and `scratch` are large enough.
+/// Source     Ylitie, Karras, Laine. Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs. HPG 2017.
+///            Deviation: full boxes, leaves of any size, and all children of a level side by side.
+void collapse(const Bvh& bvh, const CollapseConfig& config, WideBvh* wide, std::vector<uint32_t>* slots,
+              CollapseScratch* scratch);
+
+/// Fits the inner boxes to the leaves' boxes, bottom up; the caller has set the latter.
+/// Cost       O(nodes), parallel within large levels, no allocation.
+void refit_inner(WideBvh* wide);
+
+/// Checks links, levels, that each block is in exactly one leaf, and that inner boxes contain their children's.
+/// Returns    the first broken invariant in words, empty when all hold.
+std::string validate(const WideBvh& wide, size_t block_count);
+
+/// What a random ray costs by the surface area heuristic: 1 a node visited and `block_cost` a block tested.
+double sah_cost(const WideBvh& wide, float block_cost);
+
+}  // namespace zoe

@@ -1,0 +1,310 @@
+// The SIMD kernels of traversal: one ray against a node's eight boxes, and against a block of four triangles. Compiled once
+// an instruction set, by the file that includes it.
+//
+// Why every hit is that of `intersect` over all triangles, bit for bit, whatever the tree and the instruction set:
+// - A triangle's t is at least `entry` of its own box, a formula of its own that no kernel changes (it is evaluated here by
+//   the same operations in the same order), and `entry` is monotone in nesting.
+// - The test of a node's boxes only decides what is not looked at. It is conservative: it passes every box whose `entry`
+//   is at most the closest t so far, being padded more than `entry` is. So nothing is culled that could be, or tie with,
+//   the closest hit.
+// - The triangle kernel does the operations of `intersect`, lane by lane, without fused ones; where a lane lies on an edge
+//   it calls `intersect` itself.
+
+HWY_BEFORE_NAMESPACE();
+namespace zoe {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using BoxTag = hn::CappedTag<float, kWidth>;
+using BoxBits = hn::RebindToUnsigned<BoxTag>;
+using BoxInts = hn::RebindToSigned<BoxTag>;
+constexpr size_t kLanes = HWY_MAX_BYTES >= 32 ? 8 : 4;
+using BlockTag = hn::FixedTag<float, TriangleBlock::kSize>;
+
+// Relative slack of the box test, put on the far planes and on the closest t so far: `entry` moves both ends by 6 ulp and
+// rounds; this is 64. It is more than the rounding of the smallest numbers, too, where ulps are no longer relative.
+constexpr float kCullPad = 1.0f + 64.0f * 1.1920929e-7f, kCullStep = 64.0f * 1.4e-45f;
+// The lowest bits of a stack key hold the child's slot; what is left of t is at most 7 ulp nearer, never farther.
+constexpr uint32_t kSlotMask = kWidth - 1, kKeyMask = 0x7fffffffu & ~kSlotMask;
+
+// Comparisons with NaN give the second operand, and so do equal ones, as in `entry`.
+template <class V>
+HWY_INLINE V larger(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128
+    return hn::Max(a, b);
+#else
+    return hn::IfThenElse(hn::Gt(a, b), a, b);
+#endif
+}
+template <class V>
+HWY_INLINE V smaller(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128
+    return hn::Min(a, b);
+#else
+    return hn::IfThenElse(hn::Lt(a, b), a, b);
+#endif
+}
+
+// What the kernels read of a ray in one space.
+struct Space {
+    // The part that boxes are tested with; the triangles' is made when the first leaf is reached.
+    void set(const SlabRay& slabs, const glm::vec3& ray_direction) {
+        static_cast<SlabRay&>(frame) = slabs;
+        direction = ray_direction;
+        has_frame = false;
+        for (int k = 0; k < 3; ++k) {
+            const float inverse = slabs.inverse_direction[k];
+            far_inverse[k] = inverse * kCullPad + std::copysign(kCullStep, inverse);
+            near_row[k] = (2 * k + (slabs.is_negative[k] ? 1 : 0)) * kWidth;
+        }
+    }
+    void set_frame(const RayFrame& ray) {
+        frame = ray;
+        has_frame = true;
+        const int order[3] = {ray.kx, ray.ky, ray.kz};
+        const float shears[3] = {ray.shear_x, ray.shear_y, ray.shear_z};
+        for (int k = 0; k < 3; ++k) {
+            sheared_row[k] = order[k] * TriangleBlock::kSize;
+            sheared_origin[k] = ray.origin[order[k]];
+            shear[k] = shears[k];
+        }
+    }
+    void need_frame() {
+        if (!has_frame) set_frame(RayFrame(frame, direction));
+    }
+
+    float far_inverse[3];
+    uint32_t near_row[3];     // Rows of WideNode::planes, as offsets in floats.
+    uint32_t sheared_row[3];  // Rows of TriangleBlock::corners: along kx, ky, kz.
+    float sheared_origin[3], shear[3];
+    glm::vec3 direction;
+    bool has_frame;
+    RayFrame frame;
+};
+
+// The same in registers, for the box tests.
+struct BoxRay {
+    explicit HWY_INLINE BoxRay(const Space& space) {
+        const BoxTag d;
+        const SlabRay& ray = space.frame;
+        origin_x = hn::Set(d, ray.origin.x), origin_y = hn::Set(d, ray.origin.y), origin_z = hn::Set(d, ray.origin.z);
+        near_x = hn::Set(d, ray.inverse_direction.x), near_y = hn::Set(d, ray.inverse_direction.y),
+        near_z = hn::Set(d, ray.inverse_direction.z);
+        far_x = hn::Set(d, space.far_inverse[0]), far_y = hn::Set(d, space.far_inverse[1]),
+        far_z = hn::Set(d, space.far_inverse[2]);
+        row_x = space.near_row[0], row_y = space.near_row[1], row_z = space.near_row[2];
+    }
+
+    hn::Vec<BoxTag> origin_x, origin_y, origin_z, near_x, near_y, near_z, far_x, far_y, far_z;
+    size_t row_x, row_y, row_z;
+};
+
+// Tests lanes [lane, lane + kLanes) of a node's boxes: which are entered, and where.
+struct Entered {
+    hn::Mask<BoxTag> mask;
+    hn::Vec<BoxTag> t;
+};
+HWY_INLINE Entered test_boxes(const WideNode& node, const BoxRay& ray, hn::Vec<BoxTag> limit, size_t lane) {
+    const BoxTag d;
+    const float* planes = &node.planes[0][0] + lane;
+    const auto near_x = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_x), ray.origin_x), ray.near_x);
+    const auto near_y = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_y), ray.origin_y), ray.near_y);
+    const auto near_z = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_z), ray.origin_z), ray.near_z);
+    const auto far_x = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_x ^ kWidth)), ray.origin_x), ray.far_x);
+    const auto far_y = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_y ^ kWidth)), ray.origin_y), ray.far_y);
+    const auto far_z = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_z ^ kWidth)), ray.origin_z), ray.far_z);
+    // A distance is the first operand: where it is NaN, the slab does not limit.
+    const auto in = larger(near_z, larger(near_y, larger(near_x, hn::Zero(d))));
+    const auto out = smaller(far_z, smaller(far_y, smaller(far_x, limit)));
+    return {hn::Le(in, out), in};
+}
+
+// Entries to come, nearest last: `keys` hold the entry's distance.
+struct Stack {
+    uint32_t* keys;
+    uint32_t* children;
+    size_t size = 0;
+};
+
+#if HWY_MAX_BYTES >= 32
+
+// A layer of a sorting network on eight lanes: each lane meets its partner, `keeps_larger` says who keeps which.
+HWY_INLINE hn::Vec<BoxInts> meet(hn::Vec<BoxInts> v, hn::Vec<BoxInts> partner, const uint32_t* keeps_larger) {
+    const BoxInts d;
+    const auto mask = hn::MaskFromVec(hn::BitCast(d, hn::Load(BoxBits(), keeps_larger)));
+    return hn::IfThenElse(mask, hn::Max(v, partner), hn::Min(v, partner));
+}
+
+// Descending, by Batcher's bitonic network.
+HWY_INLINE hn::Vec<BoxInts> sort_descending(hn::Vec<BoxInts> v) {
+    constexpr uint32_t kAll = 0xffffffffu;
+    alignas(32) static constexpr uint32_t kByOne[8] = {kAll, 0, kAll, 0, kAll, 0, kAll, 0};
+    alignas(32) static constexpr uint32_t kByTwo[8] = {kAll, kAll, 0, 0, kAll, kAll, 0, 0};
+    alignas(32) static constexpr uint32_t kByFour[8] = {kAll, kAll, kAll, kAll, 0, 0, 0, 0};
+    v = meet(v, hn::Shuffle2301(v), kByOne);
+    v = meet(v, hn::Shuffle0123(v), kByTwo);
+    v = meet(v, hn::Shuffle2301(v), kByOne);
+    v = meet(v, hn::Reverse(BoxInts(), v), kByFour);
+    v = meet(v, hn::Shuffle1032(v), kByTwo);
+    return meet(v, hn::Shuffle2301(v), kByOne);
+}
+
+#endif
+
+// Tests a node's boxes. The nearest child that is entered (any of them for `kIsAny`) is given back, the others are pushed,
+// farthest first. Returns false where there is none.
+template <bool kIsAny>
+HWY_INLINE bool next_child(const WideNode& node, const BoxRay& ray, float limit, Stack* stack, uint32_t* child) {
+    const BoxTag d;
+    const BoxBits bits;
+#if HWY_MAX_BYTES >= 32
+    const Entered entered = test_boxes(node, ray, hn::Set(d, limit), 0);
+    uint8_t mask_bits[8];
+    hn::StoreMaskBits(d, entered.mask, mask_bits);
+    const uint32_t mask = mask_bits[0];
+    if (mask == 0) return false;
+    if (kIsAny) {
+        // The last one is given back, and lands where the next one is pushed.
+        *child = node.child[31 - std::countl_zero(mask)];
+        if ((mask & (mask - 1)) == 0) return true;
+        hn::StoreU(hn::Compress(hn::Load(bits, node.child), hn::RebindMask(bits, entered.mask)), bits,
+                   stack->children + stack->size);
+        stack->size += std::popcount(mask) - 1;
+        return true;
+    }
+    const uint32_t first = static_cast<uint32_t>(std::countr_zero(mask)), rest = mask & (mask - 1);
+    if (rest == 0) {
+        *child = node.child[first];
+        return true;
+    }
+    if ((rest & (rest - 1)) == 0) {
+        const uint32_t second = static_cast<uint32_t>(std::countr_zero(rest));
+        HWY_ALIGN uint32_t t[kWidth];
+        hn::Store(hn::BitCast(bits, entered.t), bits, t);
+        const bool is_in_order = t[first] <= t[second];
+        const uint32_t nearer = is_in_order ? first : second, farther = is_in_order ? second : first;
+        stack->keys[stack->size] = t[farther];
+        stack->children[stack->size++] = node.child[farther];
+        *child = node.child[nearer];
+        return true;
+    }
+    const BoxInts ints;
+    const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
+    // What is not entered sorts behind all keys, and so above the new top of the stack.
+    const auto sorted = sort_descending(
+        hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
+    const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
+    const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
+    hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
+    hn::StoreU(children, bits, stack->children + stack->size);
+    stack->size += std::popcount(rest);
+    *child = stack->children[stack->size];
+    return true;
+#else
+    HWY_ALIGN uint32_t keys[kWidth];
+    uint32_t mask = 0;
+    for (size_t lane = 0; lane < kWidth; lane += kLanes) {
+        const Entered entered = test_boxes(node, ray, hn::Set(d, limit), lane);
+        uint8_t mask_bits[8];
+        hn::StoreMaskBits(d, entered.mask, mask_bits);
+        mask |= (mask_bits[0] & 15u) << lane;
+        hn::Store(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), bits, keys + lane);
+    }
+    if (mask == 0) return false;
+    const size_t bottom = stack->size;
+    for (; mask != 0; mask &= mask - 1) {
+        const auto slot = static_cast<uint32_t>(std::countr_zero(mask));
+        size_t at = stack->size++;
+        if (!kIsAny) {
+            for (; at > bottom && stack->keys[at - 1] < keys[slot]; --at) {
+                stack->keys[at] = stack->keys[at - 1];
+                stack->children[at] = stack->children[at - 1];
+            }
+        }
+        stack->keys[at] = keys[slot];
+        stack->children[at] = node.child[slot];
+    }
+    *child = stack->children[--stack->size];
+    return true;
+#endif
+}
+
+// Tests a block and calls found(t, u, v, primitive) for every hit with t in [t_min, t_max].
+template <typename Found>
+HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t_floor, float t_min, float t_max,
+                           Found&& found) {
+    const BlockTag d;
+    using V = hn::Vec<BlockTag>;
+    const float* corners = block.corners[0];
+    const V shear_x = hn::Set(d, ray.shear[0]), shear_y = hn::Set(d, ray.shear[1]);
+    const V origin_x = hn::Set(d, ray.sheared_origin[0]), origin_y = hn::Set(d, ray.sheared_origin[1]),
+            origin_z = hn::Set(d, ray.sheared_origin[2]);
+    V x[3], y[3], z[3];
+    for (int k = 0; k < 3; ++k) {
+        const float* corner = corners + 3 * TriangleBlock::kSize * k;
+        z[k] = hn::Sub(hn::Load(d, corner + ray.sheared_row[2]), origin_z);
+        x[k] = hn::Sub(hn::Sub(hn::Load(d, corner + ray.sheared_row[0]), origin_x), hn::Mul(shear_x, z[k]));
+        y[k] = hn::Sub(hn::Sub(hn::Load(d, corner + ray.sheared_row[1]), origin_y), hn::Mul(shear_y, z[k]));
+    }
+    const V u = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
+    const V v = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
+    const V w = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
+    const V zero = hn::Zero(d);
+    const auto is_below = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
+    const auto is_above = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
+    const V determinant = hn::Add(hn::Add(u, v), w);
+    const auto is_missed = hn::And(is_below, is_above);
+    const auto is_edge = hn::AndNot(is_missed, hn::Or(hn::Or(hn::Eq(u, zero), hn::Eq(v, zero)), hn::Eq(w, zero)));
+    auto is_hit = hn::AndNot(hn::Or(is_missed, is_edge), hn::Gt(hn::Abs(determinant), zero));
+    if (HWY_LIKELY(hn::AllFalse(d, hn::Or(is_hit, is_edge)))) return;
+
+    uint8_t edge_bits[8];
+    hn::StoreMaskBits(d, is_edge, edge_bits);
+    for (uint32_t edges = edge_bits[0] & 15u; edges != 0; edges &= edges - 1) {
+        const int slot = std::countr_zero(edges);
+        TriangleHit hit;
+        if (intersect(ray.frame, block.triangle(slot), t_floor, t_min, t_max, &hit)) {
+            found(hit.t, hit.u, hit.v, block.primitive[slot]);
+        }
+    }
+
+    const V shear_z = hn::Set(d, ray.shear[2]);
+    const V weight_a = hn::Div(u, determinant), weight_b = hn::Div(v, determinant), weight_c = hn::Div(w, determinant);
+    V t = hn::Add(hn::Add(hn::Mul(weight_a, hn::Mul(shear_z, z[0])), hn::Mul(weight_b, hn::Mul(shear_z, z[1]))),
+                  hn::Mul(weight_c, hn::Mul(shear_z, z[2])));
+    is_hit = hn::And(is_hit, hn::Ge(t, zero));
+    // `entry` into each triangle's own box.
+    V in = zero, out = hn::Set(d, std::numeric_limits<float>::infinity());
+    for (int axis = 0; axis < 3; ++axis) {
+        const float* row = corners + TriangleBlock::kSize * axis;
+        const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * TriangleBlock::kSize),
+                c = hn::Load(d, row + 6 * TriangleBlock::kSize);
+        const V lo = smaller(c, smaller(b, a)), hi = larger(c, larger(b, a));
+        const bool is_negative = ray.frame.is_negative[axis];
+        const V origin = hn::Set(d, ray.frame.origin[axis]), inverse = hn::Set(d, ray.frame.inverse_direction[axis]);
+        in = larger(hn::Mul(hn::Sub(is_negative ? hi : lo, origin), inverse), in);
+        out = smaller(hn::Mul(hn::Sub(is_negative ? lo : hi, origin), inverse), out);
+    }
+    in = hn::Mul(in, hn::Set(d, 1.0f - kBoxPad));
+    out = hn::Mul(out, hn::Set(d, 1.0f + kBoxPad));
+    t = larger(in, larger(hn::Set(d, t_floor), t));
+    is_hit = hn::And(is_hit, hn::And(hn::Le(in, out), hn::Le(in, hn::Set(d, t_max))));
+    is_hit = hn::And(is_hit, hn::And(hn::Ge(t, hn::Set(d, t_min)), hn::Le(t, hn::Set(d, t_max))));
+    is_hit = hn::And(is_hit, hn::Lt(t, hn::Set(d, std::numeric_limits<float>::infinity())));
+    if (hn::AllFalse(d, is_hit)) return;
+    uint8_t hit_bits[8];
+    hn::StoreMaskBits(d, is_hit, hit_bits);
+    HWY_ALIGN float ts[4], us[4], vs[4];
+    hn::Store(t, d, ts);
+    hn::Store(weight_b, d, us);
+    hn::Store(weight_c, d, vs);
+    for (uint32_t hits = hit_bits[0] & 15u; hits != 0; hits &= hits - 1) {
+        const int slot = std::countr_zero(hits);
+        found(ts[slot], us[slot], vs[slot], block.primitive[slot]);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace zoe
+HWY_AFTER_NAMESPACE();
