@@ -19,7 +19,7 @@ struct ContentInfo {
     const char* name;         ///< What `--list` and the programs call it.
     const char* description;  ///< One line.
     int default_size;         ///< What the size knob is unless told; its meaning is in the description. 0: no knob.
-    int max_size;             ///< Larger ones are refused: they would take more than about 8 GB. 0: no knob.
+    int max_size;             ///< Larger ones are refused, so that a slip does not fill the memory. 0: no knob.
 };
 
 /// Every scene there is: "default" (the zoetrope, from its .glb) and one maker or more a motion class.

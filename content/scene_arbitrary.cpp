@@ -110,14 +110,14 @@ Content make_topology_scene(int size) {
         }
         const auto field = [&](const glm::vec3& p) {
             float sum = 0.0f;
-            for (const glm::vec3& c : centres) sum += 0.08f / (glm::dot(p - c, p - c) + 0.02f);
+            for (const glm::vec3& c : centres) sum += 0.05f / (glm::dot(p - c, p - c) + 0.02f);
             return 1.0f - sum;
         };
         const Mesh drops = polygonise(field, {glm::vec3(-1.4f), glm::vec3(1.4f)}, 2.8f / static_cast<float>(size));
         scene.write_mesh(id, drops.positions, drops.normals, drops.corners);
     };
     content.write(content.scene, 0.0);
-    add_view(content.scene, {0.4f, 0.5f, 1.9f}, glm::vec3(0.0f), 36.0f);
+    add_view(content.scene, {0.3f, 0.4f, 1.6f}, glm::vec3(0.0f), 36.0f);
     return content;
 }
 

@@ -37,7 +37,7 @@ void add_boards(Mesh& boards, const Panelling& panelling, int count, MaterialId 
 }  // namespace
 
 // Half of the triangles are poles that lean at all angles and boards along floor, walls and ceiling, long and thin, which
-// split planes cannot part; the rest are small balls among them. The more there are, the smaller: one can
+// split planes cannot part; the rest are small balls, most of them near the floor. The more there are, the smaller: one can
 // look through the room at any size.
 void add_room(Scene& scene, int triangle_count) {
     Rng rng(2024);
@@ -75,7 +75,8 @@ void add_room(Scene& scene, int triangle_count) {
     const Mesh ball = make_sphere(1.0f, 10, 6);
     const int ball_count = triangle_count / (2 * static_cast<int>(ball.corners.size())) + 1;
     for (int i = 0; i < ball_count; ++i) {
-        const glm::vec3 middle(rng.uniform(-3.7f, 3.7f), rng.uniform(0.1f, 3), rng.uniform(-3.7f, 3.7f));
+        const float rise = rng.uniform();  // Most lie near the floor.
+        const glm::vec3 middle(rng.uniform(-3.7f, 3.7f), 0.05f + 2.5f * std::pow(rise, 8.0f), rng.uniform(-3.7f, 3.7f));
         append(balls, ball, at(middle, 0.0f, {0, 1, 0}, glm::vec3(scale * rng.uniform(0.03f, 0.12f))), glazed);
     }
     scene.add(shown("walls", scene.add(std::move(walls))));

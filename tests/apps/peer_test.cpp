@@ -1,6 +1,7 @@
 // Embree's frames are the engine's: the same hits, in every configuration, whatever moves.
 
 #include <cmath>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -148,6 +149,8 @@ protected:
 struct Case {
     const char* scene;
     int size;
+
+    friend void PrintTo(const Case& value, std::ostream* out) { *out << value.scene << '-' << value.size; }
 };
 
 class PeerScenes : public Peer, public testing::WithParamInterface<Case> {};
@@ -208,16 +211,17 @@ TEST_F(Peer, NodesThatVanishComeBack) {
     compare_all(content, {0.5, 1.5, 1.6, 2.5, 3.5, 0.5, 1.5}, 4000);
 }
 
-TEST_F(Peer, TrianglesChangeWhileNothingIsShown) {
+TEST_F(Peer, TrianglesChangeWhileTheyAreNotShown) {
     Content content;
     const MeshId mesh = content.scene.add(make_sphere(1.0f, 12, 8));
     content.scene.add(Node{.mesh = content.scene.add(make_box(glm::vec3(2.0f), glm::vec3(3.0f)))});
     make_vanish(content.scene, content.scene.add(Node{.mesh = mesh}));
     content.write = [mesh](Scene& scene, double time_s) {
-        const Mesh shape = make_sphere(1.0f, 6 + static_cast<int>(4.0 * time_s), 5);
+        if (time_s != 0.5 && time_s != 2.5) return;
+        const Mesh shape = make_sphere(static_cast<float>(time_s), 6 + static_cast<int>(4.0 * time_s), 5);
         scene.write_mesh(mesh, shape.positions, shape.normals, shape.corners);
     };
-    compare_all(content, {1.5, 2.5, 2.75, 3.5, 1.5, 0.5, 1.25, 1.75}, 5000);
+    compare_all(content, {0.5, 1.5, 2.5, 2.75, 3.5, 0.5, 1.25, 1.75}, 5000);
 }
 
 TEST_F(Peer, SequencesShowAnotherMeshEachFrame) {
