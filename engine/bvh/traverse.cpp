@@ -9,10 +9,7 @@
 // Processors without any vectors run an emulation of them: the compiler error that keeps Highway from it by default
 // (GCC 106322) is one of integer products, of which there are none here.
 #define HWY_BROKEN_EMU128 0
-#ifndef XDIS
-#define XDIS 0
-#endif
-#define HWY_DISABLED_TARGETS (XDIS | HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/bvh/traverse.cpp"
 #include "hwy/cache_control.h"
