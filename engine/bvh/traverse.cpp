@@ -17,6 +17,7 @@
 #include "hwy/highway.h"
 
 #include "engine/bvh/wide_kernel.inl"
+#include "engine/bvh/wide_packet.inl"
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
@@ -169,32 +170,139 @@ void add(const TraverseCounts& more, TraverseCounts* counts) {
     counts->triangles += more.triangles;
 }
 
+// A packet's rays one by one through an instance of a space of its own, each from the hit that it has.
+template <bool kIsAny>
+HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, Packet& packet, Walk<kIsAny>& walk) {
+    for (size_t k = 0; k < kPacketSize; ++k) {
+        const Ray& ray = packet.rays[k];
+        if (kIsAny && packet.t[k] < 0.0f) continue;
+        walk.start(nullptr, {packet.t[k], packet.u[k], packet.v[k], packet.id[k], packet.primitive[k]}, ray.t_min);
+        walk.world.set(SlabRay(ray), ray.direction);
+        if (!enter_instance(walk, placed, ray)) continue;
+        walk.world = walk.local;
+        trace<kIsAny>(walk, nullptr, nullptr);
+        if (!walk.is_found) continue;
+        packet.t[k] = kIsAny ? -1.0f : walk.hit.t;
+        packet.u[k] = walk.hit.u;
+        packet.v[k] = walk.hit.v;
+        packet.id[k] = walk.hit.id;
+        packet.primitive[k] = walk.hit.primitive;
+    }
+}
+
+// Takes sixteen rays through the scene together.
+template <bool kIsAny>
+HWY_INLINE void trace_packet(const TwoLevels& scene, Packet& packet, Walk<kIsAny>& walk) {
+    const Stack bottom = walk.stack;
+    Stack stack = bottom;
+    stack.size = 0;
+    const WideNode* nodes = scene.top->nodes.data();
+    const TriangleBlock* blocks = nullptr;
+    uint32_t id = 0, at = 0, limit_key = 0;
+    float limit = 0.0f;
+    bool is_in_instance = false;
+    const auto set_limit = [&]() HWY_ATTR {
+        limit = range_of(packet.t).high * kCullPad;
+        limit_key = std::bit_cast<uint32_t>(limit) | kSlotMask;
+        return limit >= 0.0f;
+    };
+    set_limit();
+    for (;;) {
+        bool has_next = false;
+        if (!is_leaf(at)) {
+            ++walk.counts.nodes;
+            has_next = next_child<kIsAny>(nodes[at], packet.boxes, limit, &stack, &at);
+        } else if (at == kLeave) {
+            is_in_instance = false;
+            nodes = scene.top->nodes.data();
+        } else if (is_in_instance) {
+            bool is_found = false;
+            for (uint32_t k = 0; k < block_count(at); ++k) {
+                walk.counts.triangles += TriangleBlock::kSize;
+                is_found |= test_block<kIsAny>(blocks[first_block(at) + k], id, &packet);
+            }
+            if (is_found && !set_limit()) break;
+        } else {
+            const PlacedBlas& placed = scene.instances[first_block(at)];
+            if (placed.is_identity) {
+                if (stack.size > 0) {
+                    stack.keys[stack.size] = 0;
+                    stack.children[stack.size++] = kLeave;
+                }
+                nodes = placed.blas->tree.nodes.data();
+                blocks = placed.blas->blocks.data();
+                id = placed.id;
+                is_in_instance = true;
+                at = 0;
+                has_next = true;
+            } else {
+                walk.stack.keys = bottom.keys + stack.size;
+                walk.stack.children = bottom.children + stack.size;
+                trace_one_by_one(placed, packet, walk);
+                if (!set_limit()) break;
+            }
+        }
+        if (has_next) continue;
+        do {
+            if (stack.size == 0) {
+                walk.stack = bottom;
+                return;
+            }
+            --stack.size;
+        } while (!kIsAny && stack.keys[stack.size] > limit_key);
+        at = stack.children[stack.size];
+    }
+    walk.stack = bottom;
+}
+
 template <bool kIsAny, typename Finish>
 HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts, Finish&& finish) {
+    if (scene.top->nodes.empty()) {
+        for (size_t k = 0; k < count; ++k) finish(k, RawHit{}, false);
+        return;
+    }
     StackMemory<1> memory(scene.stack_size);
     Walk<kIsAny> walk;
     walk.stack = memory[0];
-    for (size_t k = 0; k < count; ++k) {
+    const auto trace_single = [&](size_t k) HWY_ATTR {
         const Ray& ray = rays[k];
         const SlabRay slabs(ray);
         walk.start(scene.top->nodes.data(), RawHit{.t = ray.t_max}, ray.t_min);
-        if (slabs.is_valid && ray.t_min <= ray.t_max && !scene.top->nodes.empty()) {
+        if (slabs.is_valid && ray.t_min <= ray.t_max) {
             walk.is_in_instance = false;
             walk.world.set(slabs, ray.direction);
             trace(walk, &scene, &ray);
         }
-        finish(k, walk);
+        finish(k, walk.hit, walk.is_found);
+    };
+    size_t k = 0;
+    if (count >= kPacketSize) {
+        const glm::vec3 size = scene.top->bounds().extent();
+        const float extent = size.x + size.y + size.z;
+        Packet packet;
+        for (; k + kPacketSize <= count; k += kPacketSize) {
+            if (set_packet(rays + k, extent, &packet)) {
+                trace_packet(scene, packet, walk);
+                for (size_t n = 0; n < kPacketSize; ++n) {
+                    finish(k + n, {packet.t[n], packet.u[n], packet.v[n], packet.id[n], packet.primitive[n]},
+                           packet.id[n] != kEmptyChild);
+                }
+            } else {
+                for (size_t n = 0; n < kPacketSize; ++n) trace_single(k + n);
+            }
+        }
     }
+    for (; k < count; ++k) trace_single(k);
     add(walk.counts, counts);
 }
 
 void closest_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, RawHit* hits, TraverseCounts* counts) {
     trace_all<false>(scene, rays, count, counts,
-                     [&](size_t k, const Walk<false>& walk) { hits[k] = walk.is_found ? walk.hit : RawHit{}; });
+                     [&](size_t k, const RawHit& hit, bool is_found) { hits[k] = is_found ? hit : RawHit{}; });
 }
 
 void any_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, uint8_t* is_hit, TraverseCounts* counts) {
-    trace_all<true>(scene, rays, count, counts, [&](size_t k, const Walk<true>& walk) { is_hit[k] = walk.is_found; });
+    trace_all<true>(scene, rays, count, counts, [&](size_t k, const RawHit&, bool is_found) { is_hit[k] = is_found; });
 }
 
 template <bool kIsAny>

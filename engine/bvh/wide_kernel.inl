@@ -154,8 +154,9 @@ HWY_INLINE hn::Vec<BoxInts> sort_descending(hn::Vec<BoxInts> v) {
 
 // Tests a node's boxes. The nearest child that is entered (any of them for `kIsAny`) is given back, the others are pushed,
 // farthest first. Returns false where there is none.
-template <bool kIsAny>
-HWY_INLINE bool next_child(const WideNode& node, const BoxRay& ray, float limit, Stack* stack, uint32_t* child) {
+// ray        anything that `test_boxes` takes.
+template <bool kIsAny, class Tested>
+HWY_INLINE bool next_child(const WideNode& node, const Tested& ray, float limit, Stack* stack, uint32_t* child) {
     const BoxTag d;
     const BoxBits bits;
 #if HWY_MAX_BYTES >= 32

@@ -38,6 +38,7 @@ struct Shape {
     uint64_t mesh_version = 0;
     bool has_blas = false;  ///< `blas` holds the last frame's triangles.
     Blas own_blas;
+    BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt when vertices move; else released after the build.
     Blas* blas = nullptr;  ///< own_blas, or one shared by all nodes that show the mesh undeformed.
 };
 

@@ -36,7 +36,10 @@ void update(const Scene& scene, Shape* shape) {
     if (action_for(*shape) == Action::kRefit) {
         refit_blas(shape->positions, mesh.corners, shape->blas);
     } else {
-        build_blas(shape->positions, mesh.corners, kMethods[static_cast<int>(shape->motion.motion)].builder, shape->blas);
+        const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
+        build_blas(shape->positions, mesh.corners, kMethods[static_cast<int>(shape->motion.motion)].builder, shape->blas,
+                   &shape->blas_scratch);
+        if (!is_rebuilt_often) shape->blas_scratch = {};
     }
     shape->has_blas = true;
 }
