@@ -29,7 +29,7 @@ Content load_default(int) {
 
 const std::array kMakers = {
     Maker{{"default", "a zoetrope in a room, from default.glb; it has one size", 0, 0}, load_default},
-    Maker{{"static", "a room of about SIZE triangles, half of them long and thin", 10000, 10'000'000}, make_static_scene},
+    Maker{{"static", "a room of about SIZE triangles, one in ten long and thin", 10000, 10'000'000}, make_static_scene},
     Maker{{"rigid", "SIZE copies of a mesh of 1,000 triangles, each on its own way", 25, 100'000}, make_rigid_scene},
     Maker{{"instances", "SIZE small copies of one mesh, in rows that move", 1000, 1'000'000}, make_instances_scene},
     Maker{{"deforming", "a cloth of SIZE x SIZE quads in travelling waves (morph targets)", 100, 2000},

@@ -27,7 +27,9 @@ struct Panelling {
 void add_boards(Mesh& boards, const Panelling& panelling, int count, MaterialId material) {
     const float pitch = panelling.span / static_cast<float>(count);
     const glm::vec3 half(0.5f * panelling.cover * pitch, 0.0f, 0.5f * panelling.length);
-    const Mesh board = make_box(-half, half + glm::vec3(0, 0.25f * pitch, 0));
+    // A little off the surface: what lies in a plane with it could be hit by either.
+    const glm::vec3 off(0, 0.1f * pitch, 0);
+    const Mesh board = make_box(off - half, off + half + glm::vec3(0, 0.25f * pitch, 0));
     for (int i = 0; i < count; ++i) {
         const float x = pitch * (static_cast<float>(i) + 0.5f) - 0.5f * panelling.span;
         append(boards, board, panelling.placed * at({x, 0, 0}), material);
@@ -36,9 +38,9 @@ void add_boards(Mesh& boards, const Panelling& panelling, int count, MaterialId 
 
 }  // namespace
 
-// Half of the triangles are poles that lean at all angles and boards along floor, walls and ceiling, long and thin, which
-// split planes cannot part; the rest are small balls, most of them near the floor. The more there are, the smaller: one can
-// look through the room at any size.
+// One triangle in ten is of a pole that leans at any angle or of a board along floor, walls and ceiling, long and thin,
+// which split planes cannot part; the rest are balls, most of them near the floor. The more there are, the smaller and the
+// rounder: one can look through the room at any size.
 void add_room(Scene& scene, int triangle_count) {
     Rng rng(2024);
     const MaterialId wood = add_color(scene, "boards", 0xa47c52), iron = add_color(scene, "poles", 0x4c5a66);
@@ -57,12 +59,12 @@ void add_room(Scene& scene, int triangle_count) {
         {2 * kHalf, 2 * kHalf, 0.25f, at({0, kHeight, 0}, 90, {0, 1, 0})},            // Ceiling.
     };
     constexpr int kPanellings = static_cast<int>(std::size(panellings));
-    const int board_count = triangle_count / 48 + 1, pole_count = board_count;
+    const int board_count = triangle_count / 240 + 1, pole_count = board_count;
     for (int k = 0; k < kPanellings; ++k) {
         const int count = (board_count + kPanellings - 1 - k) / kPanellings;
         if (count > 0) add_boards(boards, panellings[k], count, wood);
     }
-    const float scale = std::min(1.0f, std::cbrt(200.0f / static_cast<float>(pole_count)));
+    const float scale = std::min(1.0f, std::cbrt(40.0f / static_cast<float>(pole_count)));
     for (int i = 0; i < pole_count; ++i) {
         const float length = scale * rng.uniform(1.0f, 3.5f), thick = scale * rng.uniform(0.004f, 0.02f);
         glm::vec3 middle(0.0f);
@@ -72,8 +74,10 @@ void add_room(Scene& scene, int triangle_count) {
         append(poles, make_box({-thick, -0.5f * length, -thick}, {thick, 0.5f * length, thick}),
                at(middle, rng.uniform(0, 360), axis), iron);
     }
-    const Mesh ball = make_sphere(1.0f, 10, 6);
-    const int ball_count = triangle_count / (2 * static_cast<int>(ball.corners.size())) + 1;
+    const int rings = std::max(3, static_cast<int>(std::lround(0.12f * std::cbrt(static_cast<float>(triangle_count)))));
+    const Mesh ball = make_sphere(1.0f, 2 * rings, rings + 1);
+    const int left_count = triangle_count - 12 * (board_count + pole_count);
+    const int ball_count = std::max(0, left_count) / static_cast<int>(ball.corners.size()) + 1;
     for (int i = 0; i < ball_count; ++i) {
         const float rise = rng.uniform();  // Most lie near the floor.
         const glm::vec3 middle(rng.uniform(-3.7f, 3.7f), 0.05f + 2.5f * std::pow(rise, 8.0f), rng.uniform(-3.7f, 3.7f));

@@ -16,7 +16,7 @@ namespace zoe {
 std::span<const BenchScene> bench_scenes() {
     static const std::array scenes = {
         BenchScene{"default", "default", 12, {512, 512}, "the demo's zoetrope: all classes in a furnished room"},
-        BenchScene{"static", "static-1000000", 12, {512, 512}, "a room of a million triangles, half of them long and thin"},
+        BenchScene{"static", "static-1000000", 12, {512, 512}, "a room of a million triangles, 100,000 of them long and thin"},
         BenchScene{"rigid", "rigid-1000", 12, {512, 512}, "1,000 moving copies of 1,000 triangles"},
         BenchScene{"deforming", "deforming-500", 12, {512, 512}, "a waving cloth of 500 x 500 quads"},
         BenchScene{"skinned", "skinned-100", 12, {512, 512}, "100 walking figures"},

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -111,6 +113,33 @@ TEST(ContentList, ViewsAreFilledWithWhatThereIsToSee) {
             EXPECT_GT(hit_count, kWidth * kHeight / (size == 0 ? 2 : 10)) << info.name << "-" << size;
         }
     }
+}
+
+/// Pieces of a mesh that share no vertex.
+size_t count_parts(const Mesh& mesh) {
+    std::vector<uint32_t> part(mesh.positions.size());
+    std::iota(part.begin(), part.end(), 0u);
+    const auto root = [&](uint32_t v) {
+        while (part[v] != v) v = part[v] = part[part[v]];
+        return v;
+    };
+    for (const glm::uvec3& c : mesh.corners) {
+        part[root(c.y)] = root(c.x);
+        part[root(c.z)] = root(c.x);
+    }
+    std::set<uint32_t> roots;
+    for (const glm::uvec3& c : mesh.corners) roots.insert(root(c.x));
+    return roots.size();
+}
+
+TEST(ContentList, DropsMeetAndPart) {
+    Content content = make_content("topology", 32);
+    std::set<size_t> counts;
+    for (int k = 0; k < 16; ++k) {
+        content.write(content.scene, 0.25 * k);
+        counts.insert(count_parts(content.scene.meshes.front()));
+    }
+    EXPECT_GE(counts.size(), 3u) << "between " << *counts.begin() << " and " << *counts.rbegin() << " parts";
 }
 
 TEST(ContentNames, MayCarryASize) {
