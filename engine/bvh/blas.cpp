@@ -135,8 +135,7 @@ void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3
     make_blas(scratch->bvh, positions, corners, blas, scratch);
 }
 
-void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder,
-                Blas* blas) {
+void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas) {
     BlasScratch scratch;
     build_blas(positions, corners, builder, blas, &scratch);
 }

@@ -12,9 +12,9 @@
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/bvh/traverse.cpp"
-#include "hwy/cache_control.h"
-#include "hwy/foreach_target.h"  // Compiles what follows once an instruction set.
-#include "hwy/highway.h"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>  // Compiles what follows once an instruction set.
+#include <hwy/highway.h>
 
 #include "engine/bvh/wide_kernel.inl"
 #include "engine/bvh/wide_packet.inl"

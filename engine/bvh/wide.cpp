@@ -66,7 +66,8 @@ std::string validate(const WideBvh& wide, size_t block_total) {
             if (child == kEmptyChild) {
                 if (!box.is_empty()) return at(k, slot) + "a box without a child";
             } else if (is_leaf(child)) {
-                if (uint64_t(first_block(child)) + block_count(child) > block_total) return at(k, slot) + "blocks out of range";
+                if (uint64_t(first_block(child)) + block_count(child) > block_total)
+                    return at(k, slot) + "blocks out of range";
                 for (uint32_t block = first_block(child); block < first_block(child) + block_count(child); ++block) {
                     if (block_seen[block]++) return at(k, slot) + "block " + std::to_string(block) + " is in two leaves";
                 }

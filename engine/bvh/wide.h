@@ -56,9 +56,9 @@ struct WideBvh {
 };
 
 struct CollapseConfig {
-    uint32_t block_size = 4;        ///< Primitives that are tested together.
-    uint32_t max_leaf_blocks = 4;   ///< 1 to 16.
-    float block_cost = 0.7f;        ///< Cost of testing a block, in units of testing a node's eight boxes.
+    uint32_t block_size = 4;       ///< Primitives that are tested together.
+    uint32_t max_leaf_blocks = 4;  ///< 1 to 16.
+    float block_cost = 0.7f;       ///< Cost of testing a block, in units of testing a node's eight boxes.
 };
 
 /// Memory that one collapse hands to the next.
@@ -67,9 +67,9 @@ struct CollapseScratch {
         float costs[kWidth - 1];  ///< [k] the least cost of the subtree as a forest of at most k + 1 trees.
         uint32_t primitive_count;
     };
-    std::vector<Plan> plans;                  ///< [binary nodes]
-    std::vector<uint32_t> open, next;         ///< Binary nodes of a level, in the order of their wide nodes.
-    std::vector<uint32_t> below;              ///< Nodes of a subtree that are still to be visited.
+    std::vector<Plan> plans;           ///< [binary nodes]
+    std::vector<uint32_t> open, next;  ///< Binary nodes of a level, in the order of their wide nodes.
+    std::vector<uint32_t> below;       ///< Nodes of a subtree that are still to be visited.
 };
 
 /// Makes the wide tree of a binary one: the one of least SAH cost among all that join the binary tree's nodes, its leaves

@@ -73,9 +73,9 @@ private:
     void plan_node(uint32_t n) {
         const BvhNode& node = bvh_.nodes[n];
         Plan& plan = scratch_.plans[n];
-        plan.primitive_count = node.is_leaf() ? node.count
-                                              : scratch_.plans[node.first].primitive_count +
-                                                    scratch_.plans[node.first + 1].primitive_count;
+        plan.primitive_count =
+            node.is_leaf() ? node.count
+                           : scratch_.plans[node.first].primitive_count + scratch_.plans[node.first + 1].primitive_count;
         const bool is_whole = node.is_leaf() || plan.primitive_count <= config_.block_size;
         plan.costs[0] = is_whole ? leaf_cost(n) : std::min(leaf_cost(n), node_cost(n));
         for (int k = 1; k < kWidth - 1; ++k) {

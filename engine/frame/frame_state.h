@@ -39,7 +39,7 @@ struct Shape {
     bool has_blas = false;  ///< `blas` holds the last frame's triangles.
     Blas own_blas;
     BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt when vertices move; else released after the build.
-    Blas* blas = nullptr;  ///< own_blas, or one shared by all nodes that show the mesh undeformed.
+    Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
 };
 
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
