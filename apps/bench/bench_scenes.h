@@ -11,7 +11,7 @@ namespace zoe {
 struct BenchScene {
     std::string name;   ///< What tables and JSON call it.
     std::string scene;  ///< What `open_scene` is asked for.
-    int frame_count = 12;
+    int frame_count = 8;
     PictureSize size{512, 512};
     std::string description;
 };

@@ -1,5 +1,6 @@
 #include "apps/bench/frame_run.h"
 
+#include <atomic>
 #include <chrono>
 
 #include "apps/bench/compare.h"
@@ -36,6 +37,7 @@ FrameStats::Kind& kind_of(PeerStats* stats, RayKind kind) {
 FrameRun::FrameRun(Content& content, const ViewChoice& view, PictureSize size)
     : content_(content), view_(view), size_(size) {}
 
+// Kinds are made in their order: shadow rays from primary hits come with the diffuse rays.
 void FrameRun::make_rays(RayKind kind) {
     const Scene& scene = content_.scene;
     Batch &primary = batches_[0], &diffuse = batches_[1], &shadow = batches_[2];
@@ -47,12 +49,11 @@ void FrameRun::make_rays(RayKind kind) {
         }
         case RayKind::kDiffuse:
             diffuse.rays.clear();
-            add_diffuse_rays(scene, *tlas_, primary.rays, primary.hits, &diffuse.rays);
+            shadow.rays.clear();
+            add_rays_at_hits(scene, *tlas_, primary.rays, primary.hits, RayKind::kPrimary, &diffuse.rays, &shadow.rays);
             break;
         case RayKind::kShadow:
-            shadow.rays.clear();
-            add_shadow_rays(scene, *tlas_, primary.rays, primary.hits, RayKind::kPrimary, &shadow.rays);
-            add_shadow_rays(scene, *tlas_, diffuse.rays, diffuse.hits, RayKind::kDiffuse, &shadow.rays);
+            add_rays_at_hits(scene, *tlas_, diffuse.rays, diffuse.hits, RayKind::kDiffuse, nullptr, &shadow.rays);
             break;
     }
 }
@@ -95,13 +96,21 @@ void FrameRun::compare(RayKind kind, int frame) {
 
 void FrameRun::count_hits(RayKind kind, FrameStats* stats) const {
     const Batch& batch = batches_[static_cast<size_t>(kind)];
-    for (size_t k = 0; k < batch.rays.size(); ++k) {
-        const uint64_t key = static_cast<uint64_t>(kind) << 48 | k;
-        // A shadow ray knows only whether there is a hit.
-        const Hit hit = kind != RayKind::kShadow ? batch.hits[k] : batch.is_hit[k] ? Hit{.t = 0.0f} : Hit{};
-        stats->hits += kind == RayKind::kShadow ? batch.is_hit[k] : bool(hit);
-        stats->hits_hash += hash(hit, key);
-    }
+    std::atomic<uint64_t> hits{0}, hits_hash{0};  // sums of integers: any order gives the same
+    parallel_for(0, batch.rays.size(), kRaysATask, [&](size_t begin, size_t end) {
+        uint64_t hits_here = 0, hash_here = 0;
+        for (size_t k = begin; k < end; ++k) {
+            const uint64_t key = static_cast<uint64_t>(kind) << 48 | k;
+            // A shadow ray knows only whether there is a hit.
+            const Hit hit = kind != RayKind::kShadow ? batch.hits[k] : batch.is_hit[k] ? Hit{.t = 0.0f} : Hit{};
+            hits_here += kind == RayKind::kShadow ? batch.is_hit[k] : bool(hit);
+            hash_here += hash(hit, key);
+        }
+        hits += hits_here;
+        hits_hash += hash_here;
+    });
+    stats->hits += hits;
+    stats->hits_hash += hits_hash;
 }
 
 FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {

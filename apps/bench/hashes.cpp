@@ -63,6 +63,10 @@ SceneHashes hashes_of(const RunStats& run, PictureSize size) {
     return line;
 }
 
+bool is_for_this_target(const SceneHashes& line) {
+    return line.simd == "*" || line.simd == simd_target();
+}
+
 void write_hashes(const std::filesystem::path& file, const std::vector<SceneHashes>& lines) {
     std::vector<SceneHashes> all;
     if (std::filesystem::exists(file)) {

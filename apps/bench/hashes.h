@@ -12,8 +12,8 @@ namespace zoe {
 
 /// Hashes of the hits of a scene's first frames, as a line of a hash file holds them:
 ///     SIMD SCENE WIDTHxHEIGHT HASH HASH ...
-/// A hash is 16 hex digits, the first one is frame 1's; a line that starts with # is a comment. Vector instructions may
-/// round in other ways, so each target has lines of its own.
+/// A hash is 16 hex digits, the first one is frame 1's; a line that starts with # is a comment. SIMD is the target that the
+/// line holds for; * is all of them.
 struct SceneHashes {
     std::string simd, scene;
     PictureSize size;
@@ -24,6 +24,9 @@ struct SceneHashes {
 std::vector<SceneHashes> read_hashes(const std::filesystem::path& file);
 
 SceneHashes hashes_of(const RunStats& run, PictureSize size);
+
+/// Whether a line holds for the vector instructions of this machine.
+bool is_for_this_target(const SceneHashes& line);
 
 /// Writes the lines over those of the same vector instructions that the file holds; lines of others stay.
 /// Throws     std::runtime_error with the file's name and the reason.

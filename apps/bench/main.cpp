@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -46,7 +47,7 @@ void check_outputs(const Options& options) {
 std::vector<SceneHashes> expected_hashes(const Options& options) {
     if (!options.expected_hashes) return {};
     std::vector<SceneHashes> lines = read_hashes(*options.expected_hashes);
-    std::erase_if(lines, [](const SceneHashes& line) { return line.simd != simd_target(); });
+    std::erase_if(lines, [](const SceneHashes& line) { return !is_for_this_target(line); });
     if (lines.empty()) {
         throw std::runtime_error(fmt::format("{}: no hashes for {}", *options.expected_hashes, simd_target()));
     }
@@ -93,6 +94,10 @@ int run(const Options& options) {
     const std::vector<BenchScene> scenes = choose_scenes(options, expected);
     if (options.has_peer && !is_embree_available()) {
         throw UsageError("--peer embree: built without Embree: install libembree-dev, configure and build again");
+    }
+    if (options.has_peer && thread_count() > static_cast<int>(std::thread::hardware_concurrency())) {
+        throw UsageError(fmt::format("--threads {}: with --peer embree at most {}: Embree runs no more threads than cores",
+                                     thread_count(), std::thread::hardware_concurrency()));
     }
     check_outputs(options);
     catch_interrupts();

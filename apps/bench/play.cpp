@@ -17,8 +17,8 @@ namespace {
 
 /// Frames by which the peer's configurations are told apart, after one that warms up.
 constexpr int kTrialFrames = 3;
-/// Rays of a scene that are judged: brute force takes a while.
-constexpr size_t kMaxJudged = 500;
+/// Rays of a scene that are judged: brute force takes a few ms each.
+constexpr size_t kMaxJudged = 20'000;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -18,20 +18,17 @@ glm::vec2 random_2d(size_t ray, RayKind kind, uint64_t use) {
     return uniform_2d({.pixel = static_cast<uint32_t>(ray), .sample = 0}, 2 * static_cast<uint64_t>(kind) + use);
 }
 
-// Appends `make(ray_index)` for every hit, in order.
-template <typename Make>
-void add_at_hits(std::span<const Hit> hits, std::vector<Ray>* made, Make&& make) {
-    static thread_local std::vector<uint32_t> ray_of_hit;
-    ray_of_hit.clear();
-    for (size_t k = 0; k < hits.size(); ++k) {
-        if (hits[k]) ray_of_hit.push_back(static_cast<uint32_t>(k));
-    }
-    const size_t first = made->size();
-    made->resize(first + ray_of_hit.size());
-    const std::span<const uint32_t> rays = ray_of_hit;  // the vector is another one in each thread
-    parallel_for(0, rays.size(), kRaysATask, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) (*made)[first + k] = make(rays[k]);
-    });
+Ray diffuse_ray(const Surface& surface, const glm::vec2& u) {
+    const glm::vec3 direction = sample_diffuse(surface.ng, surface.ng, u);
+    return {.origin = leave(surface, direction), .direction = direction};
+}
+
+Ray shadow_ray(const Surface& surface, const Aabb& box, const glm::vec2& u) {
+    const glm::vec3 size = box.extent();
+    const glm::vec3 light =
+        box.centre() + glm::vec3(0.25f * (u.x - 0.5f) * size.x, 0.45f * size.y, 0.25f * (u.y - 0.5f) * size.z);
+    const glm::vec3 origin = leave(surface, light - surface.position);
+    return {.origin = origin, .direction = light - origin, .t_max = 1.0f};
 }
 
 }  // namespace
@@ -50,25 +47,23 @@ void make_primary_rays(const View& view, int width, int height, std::vector<Ray>
     }
 }
 
-void add_diffuse_rays(const Scene& scene, const Tlas& tlas, std::span<const Ray> rays, std::span<const Hit> hits,
-                      std::vector<Ray>* diffuse_rays) {
-    add_at_hits(hits, diffuse_rays, [&](uint32_t k) {
-        const Surface surface = surface_at(scene, tlas, rays[k], hits[k]);
-        const glm::vec3 direction = sample_diffuse(surface.ng, surface.ng, random_2d(k, RayKind::kDiffuse, kDirection));
-        return Ray{.origin = leave(surface, direction), .direction = direction};
-    });
-}
-
-void add_shadow_rays(const Scene& scene, const Tlas& tlas, std::span<const Ray> rays, std::span<const Hit> hits,
-                     RayKind kind, std::vector<Ray>* shadow_rays) {
+void add_rays_at_hits(const Scene& scene, const Tlas& tlas, std::span<const Ray> rays, std::span<const Hit> hits,
+                      RayKind kind, std::vector<Ray>* diffuse_rays, std::vector<Ray>* shadow_rays) {
+    std::vector<uint32_t> ray_of_hit;
+    for (size_t k = 0; k < hits.size(); ++k) {
+        if (hits[k]) ray_of_hit.push_back(static_cast<uint32_t>(k));
+    }
+    const size_t first_diffuse = diffuse_rays ? diffuse_rays->size() : 0, first_shadow = shadow_rays->size();
+    if (diffuse_rays) diffuse_rays->resize(first_diffuse + ray_of_hit.size());
+    shadow_rays->resize(first_shadow + ray_of_hit.size());
     const Aabb box = tlas.bounds();
-    const glm::vec3 size = box.extent();
-    add_at_hits(hits, shadow_rays, [&](uint32_t k) {
-        const Surface surface = surface_at(scene, tlas, rays[k], hits[k]);
-        const glm::vec2 u = random_2d(k, kind, kLightPoint) - 0.5f;
-        const glm::vec3 light = box.centre() + glm::vec3(0.25f * u.x * size.x, 0.45f * size.y, 0.25f * u.y * size.z);
-        const glm::vec3 origin = leave(surface, light - surface.position);
-        return Ray{.origin = origin, .direction = light - origin, .t_max = 1.0f};
+    parallel_for(0, ray_of_hit.size(), kRaysATask, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            const uint32_t ray = ray_of_hit[k];
+            const Surface surface = surface_at(scene, tlas, rays[ray], hits[ray]);
+            if (diffuse_rays) (*diffuse_rays)[first_diffuse + k] = diffuse_ray(surface, random_2d(ray, kind, kDirection));
+            (*shadow_rays)[first_shadow + k] = shadow_ray(surface, box, random_2d(ray, kind, kLightPoint));
+        }
     });
 }
 

@@ -15,15 +15,13 @@ namespace zoe {
 /// rays       [width * height], resized.
 void make_primary_rays(const View& view, int width, int height, std::vector<Ray>* rays);
 
-/// Appends a ray for every hit, into a random direction above the surface, cosine-weighted.
-/// rays, hits [ray_count] a traced batch of the frame.
-void add_diffuse_rays(const Scene& scene, const Tlas& tlas, std::span<const Ray> rays, std::span<const Hit> hits,
-                      std::vector<Ray>* diffuse_rays);
-
-/// Appends a ray for every hit, to a random point of a level square light under the top of the scene's box, a quarter as
-/// wide as the box; t is 1 at the light.
-/// kind       of `rays`: random numbers are keyed by it.
-void add_shadow_rays(const Scene& scene, const Tlas& tlas, std::span<const Ray> rays, std::span<const Hit> hits,
-                     RayKind kind, std::vector<Ray>* shadow_rays);
+/// Appends rays from every hit of a traced batch of the frame: one into a random direction above the surface,
+/// cosine-weighted, and one to a random point of a level square light under the top of the scene's box, a quarter as wide as
+/// the box; the latter's t is 1 at the light.
+/// rays, hits    [ray_count]
+/// kind          of `rays`: random numbers are keyed by it.
+/// diffuse_rays  null where none are wanted.
+void add_rays_at_hits(const Scene& scene, const Tlas& tlas, std::span<const Ray> rays, std::span<const Hit> hits,
+                      RayKind kind, std::vector<Ray>* diffuse_rays, std::vector<Ray>* shadow_rays);
 
 }  // namespace zoe
