@@ -146,20 +146,25 @@ FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
     return record;
 }
 
-FrameRun::PeerTrial FrameRun::try_peer(int frame, EmbreePeer* peer) {
-    PeerTrial trial;
+std::vector<FrameRun::PeerTrial> FrameRun::try_peers(int frame, std::span<const std::unique_ptr<EmbreePeer>> peers) {
+    std::vector<PeerTrial> trials(peers.size());
     tlas_ = &advance(content_, frame / kBenchFps, nullptr);
-    const EmbreePeer::UpdateTimes times = peer->update(content_.scene, *tlas_);
-    trial.update_ms = times.update_ms + times.build_tlas_ms;
+    for (size_t k = 0; k < peers.size(); ++k) {
+        const EmbreePeer::UpdateTimes times = peers[k]->update(content_.scene, *tlas_);
+        trials[k].update_ms = times.update_ms + times.build_tlas_ms;
+    }
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
         for (const bool uses_packets : {false, true}) {
-            peer->set_packets(kind, uses_packets);
-            trial.trace_ms[static_cast<size_t>(kind)][uses_packets] = trace_peer(kind, peer);
+            for (size_t k = 0; k < peers.size(); ++k) {
+                peers[k]->set_packets(kind, uses_packets);
+                trials[k].trace_ms[static_cast<size_t>(kind)][uses_packets] = trace_peer(kind, peers[k].get());
+            }
         }
-        batches_[static_cast<size_t>(kind)].hits = batches_[static_cast<size_t>(kind)].peer_hits;  // for the next rays
+        Batch& batch = batches_[static_cast<size_t>(kind)];
+        batch.hits = batch.peer_hits;  // for the next rays
     }
-    return trial;
+    return trials;
 }
 
 }  // namespace zoe

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "apps/bench/judge.h"
@@ -29,7 +31,9 @@ public:
         double update_ms = 0.0;
         std::array<std::array<double, 2>, kRayKindCount> trace_ms{};
     };
-    PeerTrial try_peer(int frame, EmbreePeer* peer);
+    /// Each peer for itself, in turn, so that a drifting machine hits all of them.
+    /// Returns    [peer_count]
+    std::vector<PeerTrial> try_peers(int frame, std::span<const std::unique_ptr<EmbreePeer>> peers);
 
     const Tlas& tlas() const { return *tlas_; }
     /// Of the last frame.

@@ -45,6 +45,14 @@ void take_least(const FrameRecord& again, FrameRecord* record) {
     if (again.peer) take_least(*again.peer, {&PeerStats::update_ms, &PeerStats::build_tlas_ms}, &*record->peer);
 }
 
+void take_least(const FrameRun::PeerTrial& from, FrameRun::PeerTrial* to) {
+    to->update_ms = std::min(to->update_ms, from.update_ms);
+    for (size_t kind = 0; kind < kRayKindCount; ++kind) {
+        for (size_t form = 0; form < 2; ++form)
+            to->trace_ms[kind][form] = std::min(to->trace_ms[kind][form], from.trace_ms[kind][form]);
+    }
+}
+
 class Player {
 public:
     Player(const BenchScene& scene, const PlayConfig& config, const Report& report)
@@ -85,10 +93,25 @@ private:
         const Tlas& tlas = advance(content_, 0.0, nullptr);
         const std::vector<EmbreeConfig> configs =
             embree_configs(content_.scene, tlas, config_.is_peer_high, config_.is_peer_robust);
-        step_count_ += static_cast<int>(configs.size()) * (kTrialFrames + 1);
+        step_count_ += kTrialFrames + 1;
+        std::vector<std::unique_ptr<EmbreePeer>> peers;
+        for (const EmbreeConfig& config : configs) peers.push_back(std::make_unique<EmbreePeer>(config, thread_count()));
+        std::vector<FrameRun::PeerTrial> least;
+        for (int frame = 0; frame <= kTrialFrames; ++frame) {
+            report_step("trying Embree's configurations");
+            const std::vector<FrameRun::PeerTrial> trials = frame_run_.try_peers(frame, peers);
+            if (frame <= 1) least = trials;  // the first warms up
+            for (size_t k = 0; k < trials.size(); ++k) take_least(trials[k], &least[k]);
+        }
         double least_ms = kInfinity;
-        for (EmbreeConfig config : configs) {
-            const double frame_ms = try_out(&config);
+        for (size_t k = 0; k < configs.size(); ++k) {
+            EmbreeConfig config = configs[k];
+            double frame_ms = least[k].update_ms;
+            for (size_t kind = 0; kind < kRayKindCount; ++kind) {
+                const auto& [single_ms, packets_ms] = least[k].trace_ms[kind];
+                config.uses_packets[kind] = packets_ms < single_ms;
+                frame_ms += std::min(single_ms, packets_ms);
+            }
             peer.tried.push_back({config.describe(), frame_ms});
             if (frame_ms >= least_ms) continue;
             least_ms = frame_ms;
@@ -96,29 +119,6 @@ private:
         }
         peer.configuration = peer_config_.describe();
         played_.run.peer = std::move(peer);
-    }
-
-    /// Sets packets where they are faster. Returns the frame's time with them, in ms.
-    double try_out(EmbreeConfig* config) {
-        EmbreePeer peer(*config, thread_count());
-        FrameRun::PeerTrial least;
-        for (int frame = 0; frame <= kTrialFrames; ++frame) {
-            report_step(fmt::format("trying Embree's {}", config->describe()));
-            const FrameRun::PeerTrial trial = frame_run_.try_peer(frame, &peer);
-            if (frame <= 1) least = trial;  // the first warms up
-            least.update_ms = std::min(least.update_ms, trial.update_ms);
-            for (size_t kind = 0; kind < kRayKindCount; ++kind) {
-                for (size_t form = 0; form < 2; ++form)
-                    least.trace_ms[kind][form] = std::min(least.trace_ms[kind][form], trial.trace_ms[kind][form]);
-            }
-        }
-        double frame_ms = least.update_ms;
-        for (size_t kind = 0; kind < kRayKindCount; ++kind) {
-            const auto& [single_ms, packets_ms] = least.trace_ms[kind];
-            config->uses_packets[kind] = packets_ms < single_ms;
-            frame_ms += std::min(single_ms, packets_ms);
-        }
-        return frame_ms;
     }
 
     void play_once(int repeat) {
