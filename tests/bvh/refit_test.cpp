@@ -21,7 +21,7 @@ bool is_same_tree(const WideBvh& a, const WideBvh& b) {
     return true;
 }
 
-TEST(Refit, WithoutMotionChangesNoBit) {
+TEST(Refit, WithoutMotionChangesNothing) {
     for (const TestMesh& mesh : nasty_meshes()) {
         const std::vector<Aabb> boxes = mesh.boxes();
         for (const NamedBuilder& builder : all_builders()) {
