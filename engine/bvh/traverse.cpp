@@ -68,7 +68,8 @@ HWY_INLINE void test_leaf(Walk<kIsAny>& walk, Space& space, uint32_t child) {
                    [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
                        RawHit& hit = walk.hit;
                        const bool is_closer =
-                           t < hit.t || (t == hit.t && (walk.id < hit.id || (walk.id == hit.id && primitive < hit.primitive)));
+                           t < hit.t ||
+                           (t == hit.t && (walk.id < hit.id || (walk.id == hit.id && primitive < hit.primitive)));
                        if (!is_closer) return;
                        hit = {t, u, v, walk.id, primitive};
                        walk.is_found = true;
