@@ -35,7 +35,8 @@ BenchScene find_bench_scene(const std::string& name) {
     const std::span<const BenchScene> scenes = bench_scenes();
     if (const auto found = std::ranges::find(scenes, name, &BenchScene::name); found != scenes.end()) return *found;
     const std::filesystem::path path = name;
-    if (std::filesystem::exists(path) || is_sequence_pattern(name)) {
+    std::error_code ignored;  // a name too long, say, is no file
+    if (std::filesystem::exists(path, ignored) || is_sequence_pattern(name)) {
         // A file, whose contents are looked at when its turn comes.
     } else if (path.has_parent_path() || path.extension() == ".glb" || path.extension() == ".gltf") {
         throw UsageError(fmt::format("{}: no such file", name));

@@ -82,13 +82,14 @@ Hit to_hit(const EmbreeLayout& layout, float t, float u, float v, unsigned primi
     return {.t = t, .u = u, .v = v, .node = node, .primitive = primitive};
 }
 
-/// Calls `one(k)` for items 0 to item_count in tasks. Returns ms.
+/// Calls `one(k, context)` for items 0 to item_count in tasks. Returns ms.
 template <typename One>
-double timed_tasks(size_t item_count, size_t items_a_task, One&& one) {
+double timed_tasks(size_t item_count, size_t items_a_task, EmbreeTraceMode mode, One&& one) {
     Stopwatch watch;
     parallel_for(0, item_count, items_a_task, [&](size_t begin, size_t end) {
         const FlushDenormals flush;
-        for (size_t k = begin; k < end; ++k) one(k);
+        RTCIntersectContext context = context_for(mode);
+        for (size_t k = begin; k < end; ++k) one(k, &context);
     });
     return watch.restart_ms();
 }
@@ -127,9 +128,8 @@ double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ra
             closest_[k].hit.geomID = RTC_INVALID_GEOMETRY_ID;
             closest_[k].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         });
-        const double ms = timed_tasks(rays.size(), kRaysATask, [&](size_t k) {
-            RTCIntersectContext context = context_for(mode);
-            rtcIntersect1(scene, &context, &closest_[k]);
+        const double ms = timed_tasks(rays.size(), kRaysATask, mode, [&](size_t k, RTCIntersectContext* context) {
+            rtcIntersect1(scene, context, &closest_[k]);
         });
         for_all(rays.size(), [&](size_t k) {
             const RTCHit& hit = closest_[k].hit;
@@ -145,10 +145,9 @@ double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ra
         packet.hit.geomID[k % kLanes] = RTC_INVALID_GEOMETRY_ID;
         packet.hit.instID[0][k % kLanes] = RTC_INVALID_GEOMETRY_ID;
     });
-    const double ms = timed_tasks(count, kRaysATask / kLanes, [&](size_t k) {
+    const double ms = timed_tasks(count, kRaysATask / kLanes, mode, [&](size_t k, RTCIntersectContext* context) {
         const Lanes lanes(rays.size(), k);
-        RTCIntersectContext context = context_for(mode);
-        rtcIntersect16(lanes.is_valid.data(), scene, &context, &closest_packets_[k]);
+        rtcIntersect16(lanes.is_valid.data(), scene, context, &closest_packets_[k]);
     });
     for_all(rays.size(), [&](size_t k) {
         const size_t lane = k % kLanes;
@@ -169,9 +168,8 @@ double EmbreeTracer::any_hits(const EmbreeLayout& layout, std::span<const Ray> r
     if (!mode.uses_packets) {
         any_.resize(rays.size());
         for_all(rays.size(), [&](size_t k) { any_[k] = to_single(rays[k]); });
-        const double ms = timed_tasks(rays.size(), kRaysATask, [&](size_t k) {
-            RTCIntersectContext context = context_for(mode);
-            rtcOccluded1(scene, &context, &any_[k]);
+        const double ms = timed_tasks(rays.size(), kRaysATask, mode, [&](size_t k, RTCIntersectContext* context) {
+            rtcOccluded1(scene, context, &any_[k]);
         });
         for_all(rays.size(), [&](size_t k) { is_hit[k] = any_[k].tfar == kHitMark; });
         return ms;
@@ -179,10 +177,9 @@ double EmbreeTracer::any_hits(const EmbreeLayout& layout, std::span<const Ray> r
     const size_t count = packet_count(rays.size());
     any_packets_.resize(count);
     for_all(rays.size(), [&](size_t k) { put(rays[k], k % kLanes, &any_packets_[k / kLanes]); });
-    const double ms = timed_tasks(count, kRaysATask / kLanes, [&](size_t k) {
+    const double ms = timed_tasks(count, kRaysATask / kLanes, mode, [&](size_t k, RTCIntersectContext* context) {
         const Lanes lanes(rays.size(), k);
-        RTCIntersectContext context = context_for(mode);
-        rtcOccluded16(lanes.is_valid.data(), scene, &context, &any_packets_[k]);
+        rtcOccluded16(lanes.is_valid.data(), scene, context, &any_packets_[k]);
     });
     for_all(rays.size(), [&](size_t k) { is_hit[k] = any_packets_[k / kLanes].tfar[k % kLanes] == kHitMark; });
     return ms;

@@ -156,7 +156,8 @@ std::vector<FrameRun::PeerTrial> FrameRun::try_peers(int frame, std::span<const 
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
         for (const bool uses_packets : {false, true}) {
-            for (size_t k = 0; k < peers.size(); ++k) {
+            for (size_t turn = 0; turn < peers.size(); ++turn) {
+                const size_t k = (turn + static_cast<size_t>(frame)) % peers.size();
                 peers[k]->set_packets(kind, uses_packets);
                 trials[k].trace_ms[static_cast<size_t>(kind)][uses_packets] = trace_peer(kind, peers[k].get());
             }

@@ -23,7 +23,7 @@ public:
     FrameRun(Content& content, const ViewChoice& view, PictureSize size);
 
     /// Advances to the frame, and makes the peer (may be null) do the same; traces the rays of each kind with both.
-    /// is_peer_first  who goes first, in all.
+    /// is_peer_first  who traces first. The frame is made by ours first in any case: the peer takes its vertices.
     FrameRecord run(int frame, EmbreePeer* peer, bool is_peer_first);
 
     /// What the peer alone takes for a frame: by kind of ray with single rays [0] and with packets [1].

@@ -67,13 +67,16 @@ bool is_for_this_target(const SceneHashes& line) {
     return line.simd == "*" || line.simd == simd_target();
 }
 
+std::vector<SceneHashes> lines_of_other_targets(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return {};  // a pipe is only written to
+    std::vector<SceneHashes> lines = read_hashes(file);
+    std::erase_if(lines, is_for_this_target);
+    return lines;
+}
+
 void write_hashes(const std::filesystem::path& file, const std::vector<SceneHashes>& lines) {
-    std::vector<SceneHashes> all;
-    if (std::filesystem::exists(file)) {
-        for (SceneHashes& line : read_hashes(file)) {
-            if (line.simd != simd_target()) all.push_back(std::move(line));
-        }
-    }
+    std::vector<SceneHashes> all = lines_of_other_targets(file);
     all.insert(all.end(), lines.begin(), lines.end());
     std::string text =
         "# SIMD SCENE WIDTHxHEIGHT HASH ...: the hits of the first frames, for zoetrope-bench --expect-hashes\n";

@@ -28,7 +28,11 @@ SceneHashes hashes_of(const RunStats& run, PictureSize size);
 /// Whether a line holds for the vector instructions of this machine.
 bool is_for_this_target(const SceneHashes& line);
 
-/// Writes the lines over those of the same vector instructions that the file holds; lines of others stay.
+/// The lines of a file, where there is one, that do not hold for this machine's vector instructions.
+/// Throws     std::runtime_error as `read_hashes` does.
+std::vector<SceneHashes> lines_of_other_targets(const std::filesystem::path& file);
+
+/// Writes the lines, and those of other vector instructions that the file holds.
 /// Throws     std::runtime_error with the file's name and the reason.
 void write_hashes(const std::filesystem::path& file, const std::vector<SceneHashes>& lines);
 

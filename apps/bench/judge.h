@@ -31,10 +31,12 @@ const char* name(Verdict verdict);  ///< "ours", "peers", "either", "neither"
 ///
 /// Truth is what both programs were given: the frame's vertices and matrices, floats and taken as exact. What rounding may
 /// do is counted from there. A matrix that shears makes a ray that is taken into local space lose more than the oracle
-/// allows: that is an error, not an excuse. An answer that is not one (a NaN, a hit outside of the ray) is wrong. tlas the
-/// frame that the rays belong to; `advance` has not been called since. Returns    [disagreement_count] Cost       a few
-/// hundred rays against a million triangles take seconds: O(triangles / 32) time a ray, and more where it
-///            passes near; in parallel over rays. Memory is bounded: 100 MB however large the scene.
+/// allows: that is an error, not an excuse. An answer that is not one (a NaN, a hit outside of the ray) is wrong.
+///
+/// tlas       the frame that the rays belong to; `advance` has not been called since.
+/// Returns    [disagreement_count]
+/// Cost       a few hundred rays against a million triangles take seconds: O(triangles / 32) time a ray, and more where it
+///            passes near; in parallel over rays. Triangles are placed in blocks of 100 MB, however large the scene.
 std::vector<Verdict> judge(const Tlas& tlas, std::span<const Disagreement> disagreements);
 
 /// A line of the file of disagreements: frame, ray, both answers, and the verdict in words.

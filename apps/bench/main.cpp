@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
@@ -31,16 +32,24 @@ int fail(int exit_code, const std::string& message) {
 }
 
 /// Finds out before long work what would stop it after.
-void check_outputs(const Options& options) {
+void check_outputs(const Options& options, const std::vector<BenchScene>& scenes) {
+    for (const BenchScene& scene : scenes) {
+        if (options.written_hashes && scene.name.find_first_of(" \t\n") != std::string::npos)
+            throw UsageError(
+                fmt::format("--write-hashes: a line of its file cannot hold a name with a space: {}", scene.name));
+    }
+    std::set<std::string> names;
     for (const std::optional<std::string>* file :
          {&options.json, &options.csv, &options.disagreements, &options.written_hashes}) {
         if (!*file) continue;
+        if (!names.insert(**file).second) throw UsageError(fmt::format("{}: two outputs have this name", **file));
         try {
             require_writable(**file);
         } catch (const std::runtime_error& error) {
             throw UsageError(error.what());
         }
     }
+    if (options.written_hashes) lines_of_other_targets(*options.written_hashes);  // a broken file is told now
 }
 
 /// The hash file's lines for this machine's vector instructions.
@@ -58,11 +67,10 @@ std::vector<BenchScene> choose_scenes(const Options& options, const std::vector<
     std::vector<BenchScene> scenes;
     if (options.expected_hashes) {
         for (const SceneHashes& line : expected) {
-            scenes.push_back({.name = line.scene,
-                              .scene = line.scene,
-                              .frame_count = static_cast<int>(line.hashes.size()),
-                              .size = line.size,
-                              .description = ""});
+            BenchScene scene = find_bench_scene(line.scene);
+            scene.frame_count = static_cast<int>(line.hashes.size());
+            scene.size = line.size;
+            scenes.push_back(std::move(scene));
         }
         return scenes;
     }
@@ -95,11 +103,12 @@ int run(const Options& options) {
     if (options.has_peer && !is_embree_available()) {
         throw UsageError("--peer embree: built without Embree: install libembree-dev, configure and build again");
     }
-    if (options.has_peer && thread_count() > static_cast<int>(std::thread::hardware_concurrency())) {
+    const int core_count = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    if (options.has_peer && thread_count() > core_count) {
         throw UsageError(fmt::format("--threads {}: with --peer embree at most {}: Embree runs no more threads than cores",
-                                     thread_count(), std::thread::hardware_concurrency()));
+                                     thread_count(), core_count));
     }
-    check_outputs(options);
+    check_outputs(options, scenes);
     catch_interrupts();
 
     const PlayConfig config{.repeats = options.expected_hashes ? 1 : options.repeats,
@@ -111,8 +120,20 @@ int run(const Options& options) {
     std::vector<RunStats> runs;
     std::vector<SceneHashes> hashes;
     std::string disagreements, differences;
+    const auto write_results = [&] {
+        if (options.json) write_file(*options.json, bench_json(runs, machine));
+        if (options.csv) write_file(*options.csv, csv(runs));
+        if (options.disagreements) write_file(*options.disagreements, disagreements);
+        if (options.written_hashes) write_hashes(*options.written_hashes, hashes);
+    };
     for (size_t k = 0; k < scenes.size(); ++k) {
-        Played played = play_with_progress(scenes[k], config);
+        Played played;
+        try {
+            played = play_with_progress(scenes[k], config);
+        } catch (...) {
+            if (!runs.empty()) write_results();  // what is done is not lost
+            throw;
+        }
         fmt::print("{}", stages_line(played.run));
         std::fflush(stdout);
         disagreements += disagreements_text(played);
@@ -121,10 +142,7 @@ int run(const Options& options) {
         runs.push_back(std::move(played.run));
     }
     fmt::print("\n{}", rays_table(runs));
-    if (options.json) write_file(*options.json, bench_json(runs, machine));
-    if (options.csv) write_file(*options.csv, csv(runs));
-    if (options.disagreements) write_file(*options.disagreements, disagreements);
-    if (options.written_hashes) write_hashes(*options.written_hashes, hashes);
+    write_results();
     if (options.expected_hashes) {
         fmt::print(stderr, "{}", differences);
         if (!differences.empty()) return 1;

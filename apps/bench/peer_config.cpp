@@ -30,9 +30,10 @@ std::string EmbreeConfig::describe() const {
         if (uses_packets[static_cast<size_t>(kind)])
             packets += fmt::format("{}{}", packets.empty() ? "" : " and ", name(kind));
     }
-    return fmt::format("{}, arbitrary {}, static {}, {}, {}", layout == Layout::kInstances ? "instances" : "one scene",
-                       is_arbitrary_medium ? "MEDIUM" : "LOW", is_static_high ? "HIGH" : "MEDIUM",
-                       is_robust ? "robust" : "fast",
+    const char* const form =
+        layout == Layout::kInstances ? "instances, deforming REFIT" : "one scene, rigid and deforming REFIT";
+    return fmt::format("{}, arbitrary {}, static {}, {}, {}", form, is_arbitrary_medium ? "MEDIUM" : "LOW",
+                       is_static_high ? "HIGH" : "MEDIUM", is_robust ? "robust" : "fast",
                        packets.empty() ? "single rays" : fmt::format("packets of 16 for {} rays", packets));
 }
 

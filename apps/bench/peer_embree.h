@@ -60,8 +60,12 @@ public:
     UpdateTimes update(const Scene& scene, const Tlas& tlas);
 
     /// Traces in tasks of kRaysATask, as many threads as told. Rays and hits are put into and out of Embree's form outside
-    /// of the time. rays       finite; directions other than 0. hits       [ray_count] Returns    ms. Throws
-    /// std::logic_error before the first `update`.
+    /// of the time.
+    ///
+    /// rays       finite; directions other than 0.
+    /// hits       [ray_count]
+    /// Returns    ms.
+    /// Throws     std::logic_error before the first `update`.
     double closest_hits(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits);
     /// is_hit     [ray_count] 1 or 0.
     double any_hits(std::span<const Ray> rays, RayKind kind, std::span<uint8_t> is_hit);

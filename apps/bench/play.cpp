@@ -35,7 +35,11 @@ void take_least(const Stats& from, std::initializer_list<double Stats::*> times,
 /// Keeps the lesser of each time. The frame is the same: anything else that differs is a fault.
 void take_least(const FrameRecord& again, FrameRecord* record) {
     const FrameStats &a = again.stats, &b = record->stats;
-    if (a.hits_hash != b.hits_hash || a.kept != b.kept || a.refitted != b.refitted || a.rebuilt != b.rebuilt) {
+    if (a.kept != b.kept || a.refitted != b.refitted || a.rebuilt != b.rebuilt) {
+        throw std::runtime_error(
+            fmt::format("frame {}: another number of kept, refitted and rebuilt trees when repeated", record->frame));
+    }
+    if (a.hits_hash != b.hits_hash) {
         throw std::runtime_error(fmt::format("frame {}: hits {:016x} and {:016x} in two repeats of the same frame",
                                              record->frame, b.hits_hash, a.hits_hash));
     }
@@ -146,6 +150,8 @@ private:
     void describe() {
         std::optional<PeerRun> peer = std::move(played_.run.peer);
         played_.run = describe_run(scene_.name, content_.scene, frame_run_.tlas());
+        played_.run.size = fmt::format("{}x{}", scene_.size.width, scene_.size.height);
+        played_.run.repeats = config_.repeats;
         played_.run.peer = std::move(peer);
     }
 

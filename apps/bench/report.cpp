@@ -39,20 +39,15 @@ std::string csv_field(const std::string& text) {
     return fmt::format("\"{}\"", field);
 }
 
-/// Millions of rays a second: of all frames together.
-double mrays_per_s(uint64_t rays, double ms) {
-    return ms > 0.0 ? static_cast<double>(rays) / ms / 1000.0 : 0.0;
-}
-
+/// Millions of rays a second, median over the frames.
 template <typename Kind>
 double mrays_per_s(const RunStats& run, Kind&& kind) {
-    uint64_t rays = 0;
-    double ms = 0.0;
+    std::vector<double> rates;
     for (const FrameRecord& frame : run.frames) {
-        rays += kind(frame).rays;
-        ms += kind(frame).ms;
+        const FrameStats::Kind& k = kind(frame);
+        rates.push_back(k.ms > 0.0 ? static_cast<double>(k.rays) / k.ms / 1000.0 : 0.0);
     }
-    return mrays_per_s(rays, ms);
+    return percentile(std::move(rates), 0.5);
 }
 
 std::string verdicts_text(const RunStats& run) {
@@ -115,12 +110,14 @@ std::string rays_table(const std::vector<RunStats>& runs) {
         text += fmt::format("{:<17}", run.scene);
         const Ratios ratios = ratios_to_peer(run.frames);
         const auto add = [&](FrameStats::Kind FrameStats::*ours, FrameStats::Kind PeerStats::*peers, double ratio) {
-            const double rate = mrays_per_s(run, [&](const FrameRecord& frame) { return frame.stats.*ours; });
+            const double rate =
+                mrays_per_s(run, [&](const FrameRecord& frame) -> const FrameStats::Kind& { return frame.stats.*ours; });
             if (!run.peer) {
                 text += fmt::format("{:>10.2f}", rate);
                 return;
             }
-            const double peer_rate = mrays_per_s(run, [&](const FrameRecord& frame) { return (*frame.peer).*peers; });
+            const double peer_rate =
+                mrays_per_s(run, [&](const FrameRecord& frame) -> const FrameStats::Kind& { return (*frame.peer).*peers; });
             text += fmt::format("{:>8.2f}{:>8.2f}{:>8}", rate, peer_rate, ratio_text(ratio));
         };
         add(&FrameStats::primary, &PeerStats::primary, ratios.primary);

@@ -122,6 +122,10 @@ Json run_json(const RunStats& run) {
                  {"simd", simd_target()},
                  {"triangles", run.triangle_count},
                  {"nodes", nodes}};
+    if (!run.size.empty()) {
+        json["size"] = run.size;
+        json["repeats"] = run.repeats;
+    }
     if (run.warm_up) json["warm_up"] = frame_json(*run.warm_up);
     json["frames"] = frames;
     json["median"] = percentile_json(numbers, 0.5);

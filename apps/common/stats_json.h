@@ -45,6 +45,8 @@ struct RunStats {
     int threads = 0;
     uint64_t triangle_count = 0;                    ///< Shown, each node's own.
     std::array<uint32_t, kMotionCount> node_count;  ///< Nodes that show a mesh, by motion class.
+    std::string size;                               ///< "512x512" primary rays; empty where frames are pictures of any.
+    int repeats = 1;                                ///< Times are the least of so many.
     std::optional<FrameRecord> warm_up;             ///< A first frame that builds and allocates; kept apart.
     std::vector<FrameRecord> frames;
     std::optional<PeerRun> peer;

@@ -61,6 +61,8 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     expect_refused(folder, {"--peer", "embree", "--peer-quality", "best"}, 2, "medium or high");
     expect_refused(folder, {"--no-such-option"}, 2, "--no-such-option");
     expect_refused(folder, {"rigid", "--expect-hashes", "h.txt"}, 2, "--expect-hashes");
+    expect_refused(folder, {std::string(300, 'x')}, 2, "default, static, rigid");
+    expect_refused(folder, small({"--json", "same", "--csv", "same"}), 2, "same");
 }
 
 TEST(BenchBadInput, FilesThatCannotBeWrittenAreToldBeforeAnythingRuns) {
@@ -139,6 +141,8 @@ TEST(Bench, JsonHasEveryField) {
     const Json& scene = json["scenes"][0];
     EXPECT_EQ(scene["scene"], "instances-20");
     EXPECT_EQ(scene["threads"], 1);
+    EXPECT_EQ(scene["size"], "16x16");
+    EXPECT_EQ(scene["repeats"], 1);
     EXPECT_EQ(scene["nodes"]["rigid"], 20);
     EXPECT_EQ(scene["triangles"], 20 * 80);
     expect_numbers(scene["warm_up"]);
@@ -208,6 +212,23 @@ TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {
     const Outcome other = run_bench(folder, {"--expect-hashes", "h.txt"});
     EXPECT_EQ(other.exit_code, 1);
     EXPECT_NE(other.err.find("instances-20, frame 2"), std::string::npos) << other.err;
+}
+
+TEST(Bench, HashesOfTheBenchmarksOwnScenesAreThoseOfTheirOwnSizes) {
+    const TempFolder folder;
+    const Outcome written =
+        run_bench(folder, {"skinned", "--frames", "1", "--size", "16x16", "--repeats", "1", "--write-hashes", "h.txt"});
+    ASSERT_EQ(written.exit_code, 0) << written.err;
+    const Outcome same = run_bench(folder, {"--expect-hashes", "h.txt"});
+    EXPECT_EQ(same.exit_code, 0) << same.err;
+}
+
+TEST(Bench, WhatIsDoneIsWrittenWhereALaterSceneIsBroken) {
+    const TempFolder folder;
+    folder.write("broken.glb", "no scene");
+    const Outcome outcome = run_bench(folder, small({"broken.glb", "--json", "x.json"}));
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(Json::parse(read(folder / "x.json"))["scenes"].size(), 1u);
 }
 
 TEST(Bench, WritingHashesKeepsOtherTargets) {

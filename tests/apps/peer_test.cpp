@@ -307,12 +307,13 @@ TEST(PeerConfig, OffersWhatASceneHasUseFor) {
 
 TEST(PeerConfig, IsNamedInWords) {
     EmbreeConfig config{.layout = EmbreeConfig::Layout::kOneScene};
-    EXPECT_EQ(config.describe(), "one scene, arbitrary LOW, static MEDIUM, fast, single rays");
+    EXPECT_EQ(config.describe(), "one scene, rigid and deforming REFIT, arbitrary LOW, static MEDIUM, fast, single rays");
     config.is_arbitrary_medium = config.is_static_high = config.is_robust = true;
     config.layout = EmbreeConfig::Layout::kInstances;
     config.uses_packets = {true, false, true};
-    EXPECT_EQ(config.describe(),
-              "instances, arbitrary MEDIUM, static HIGH, robust, packets of 16 for primary and shadow rays");
+    EXPECT_EQ(
+        config.describe(),
+        "instances, deforming REFIT, arbitrary MEDIUM, static HIGH, robust, packets of 16 for primary and shadow rays");
 }
 
 TEST(PeerConfig, WithoutEmbreeThePackageIsNamed) {
