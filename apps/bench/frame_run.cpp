@@ -1,10 +1,10 @@
 #include "apps/bench/frame_run.h"
 
 #include <atomic>
-#include <chrono>
 
 #include "apps/bench/compare.h"
 #include "apps/bench/rays.h"
+#include "apps/bench/stopwatch.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
@@ -13,26 +13,12 @@ namespace {
 // Calls `trace(begin, end)` for tasks of rays on all threads. Returns ms.
 template <typename Trace>
 double timed_trace(size_t ray_count, Trace&& trace) {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point begin = Clock::now();
+    Stopwatch watch;
     parallel_for(0, ray_count, kRaysATask, trace);
-    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-template <typename Stats>
-FrameStats::Kind& find_kind(Stats* stats, RayKind kind) {
-    return kind == RayKind::kPrimary ? stats->primary : kind == RayKind::kDiffuse ? stats->diffuse : stats->shadow;
+    return watch.restart_ms();
 }
 
 }  // namespace
-
-FrameStats::Kind& kind_of(FrameStats* stats, RayKind kind) {
-    return find_kind(stats, kind);
-}
-
-FrameStats::Kind& kind_of(PeerStats* stats, RayKind kind) {
-    return find_kind(stats, kind);
-}
 
 FrameRun::FrameRun(Content& content, const ViewChoice& view, PictureSize size)
     : content_(content), view_(view), size_(size) {}
@@ -127,18 +113,18 @@ FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
         const uint64_t ray_count = batches_[static_cast<size_t>(kind)].rays.size();
-        FrameStats::Kind& ours = kind_of(&record.stats, kind);
+        FrameStats::Kind& ours = kind_of(record.stats, kind);
         ours.rays = ray_count;
-        if (peer && is_peer_first) kind_of(&peers, kind).ms = trace_peer(kind, peer);
+        if (peer && is_peer_first) kind_of(peers, kind).ms = trace_peer(kind, peer);
         ours.ms = trace_ours(kind);
-        if (peer && !is_peer_first) kind_of(&peers, kind).ms = trace_peer(kind, peer);
+        if (peer && !is_peer_first) kind_of(peers, kind).ms = trace_peer(kind, peer);
         record.stats.rays += ray_count;
         record.stats.trace_ms += ours.ms;
         count_hits(kind, &record.stats);
         if (!peer) continue;
-        kind_of(&peers, kind).rays = ray_count;
+        kind_of(peers, kind).rays = ray_count;
         peers.rays += ray_count;
-        peers.trace_ms += kind_of(&peers, kind).ms;
+        peers.trace_ms += kind_of(peers, kind).ms;
         compare(kind, frame);
     }
     peers.disagreements = disagreements_.size();

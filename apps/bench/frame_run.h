@@ -59,8 +59,10 @@ private:
     std::vector<Disagreement> disagreements_;
 };
 
-/// Statistics of one kind.
-FrameStats::Kind& kind_of(FrameStats* stats, RayKind kind);
-FrameStats::Kind& kind_of(PeerStats* stats, RayKind kind);
+/// Statistics of one kind, of ours or the peer's.
+template <typename Stats>
+auto& kind_of(Stats& stats, RayKind kind) {
+    return kind == RayKind::kPrimary ? stats.primary : kind == RayKind::kDiffuse ? stats.diffuse : stats.shadow;
+}
 
 }  // namespace zoe

@@ -25,10 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 template <typename Stats>
 void take_least(const Stats& from, std::initializer_list<double Stats::*> times, Stats* to) {
     for (const auto time : times) to->*time = std::min(to->*time, from.*time);
-    for (const RayKind kind : kRayKinds) {
-        Stats copy = from;
-        kind_of(to, kind).ms = std::min(kind_of(to, kind).ms, kind_of(&copy, kind).ms);
-    }
+    for (const RayKind kind : kRayKinds) kind_of(*to, kind).ms = std::min(kind_of(*to, kind).ms, kind_of(from, kind).ms);
     to->trace_ms = to->primary.ms + to->diffuse.ms + to->shadow.ms;
 }
 

@@ -193,8 +193,8 @@ HWY_INLINE bool next_child(const WideNode& node, const Tested& ray, float limit,
     const BoxInts ints;
     const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
     // What is not entered sorts behind all keys, and so above the new top of the stack.
-    const auto sorted = sort_descending(
-        hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
+    const auto sorted =
+        sort_descending(hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
     const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
     const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
     hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);

@@ -30,6 +30,9 @@ enum class UvRule {
 };
 
 /// The topology of a subdivision surface's control mesh: plain arrays, no positions, since those change by frame.
+/// Source     Catmull, Clark. Recursively Generated B-Spline Surfaces on Arbitrary Topological Meshes. CAD 1978.
+///            Loop. Smooth Subdivision Surfaces Based on Triangles. University of Utah 1987.
+///            DeRose, Kass, Truong. Subdivision Surfaces in Character Animation. SIGGRAPH 1998 (creases).
 struct Cage {
     SubdivisionScheme scheme = SubdivisionScheme::kCatmullClark;
     BoundaryRule boundary = BoundaryRule::kEdgeAndCorner;

@@ -38,6 +38,7 @@ struct View {
 /// Composes the schemes' masks over the last level (limit position, tangents) with that level's stencils over the cage.
 /// table     the stencils of the last level's vertices.
 /// Returns   a stencil a view. Views of the same vertex have the same position to the last bit.
+/// Source    Halstead, Kass, DeRose. Efficient, Fair Interpolation Using Catmull-Clark Surfaces. SIGGRAPH 1993.
 StencilTable compose_stencils(const OpenSubdiv::Far::TopologyRefiner& refiner,
                               const OpenSubdiv::Far::StencilTableReal<double>& table, std::span<const View> views,
                               bool is_limit, bool has_tangents);
