@@ -26,9 +26,7 @@ struct StencilTable {
 /// normals          [vertex_count] out, of length 1, or zero where the surface has none; or empty: not wanted.
 /// Requires   tangents in the stencils where normals are wanted.
 /// Cost       O(entries), one pass, no allocation.
-/// Source     Halstead, Kass, DeRose. Efficient, Fair Interpolation Using Catmull-Clark Surfaces. SIGGRAPH 1993 (positions
-/// and
-///            tangents of the limit surface as sums over the cage).
+/// Source     Halstead, Kass, DeRose. Efficient, Fair Interpolation Using Catmull-Clark Surfaces. SIGGRAPH 1993.
 void evaluate(const StencilTable& stencils, std::span<const glm::vec3> cage_positions, std::span<glm::vec3> positions,
               std::span<glm::vec3> normals);
 
