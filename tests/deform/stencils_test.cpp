@@ -1,41 +1,14 @@
-// Counts every call of operator new in this program: evaluation allocates nothing.
-
 #include "engine/deform/stencils.h"
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <new>
 
 #include "engine/deform/subdivide.h"
 #include "engine/math/parallel.h"
 #include "tests/deform/subdivide_oracle.h"
-
-// Once inlined, malloc and free look like a mismatch of new and delete.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-
-namespace {
-std::atomic<size_t> allocation_count{0};
-}
-
-void* operator new(size_t size) {
-    ++allocation_count;
-    if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-    throw std::bad_alloc();
-}
-void* operator new(size_t size, const std::nothrow_t&) noexcept {
-    ++allocation_count;
-    return std::malloc(size > 0 ? size : 1);
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, size_t) noexcept {
-    std::free(memory);
-}
+#include "tests/support/allocation_count.h"
 
 namespace zoe::test {
 namespace {
@@ -112,9 +85,9 @@ TEST(Stencils, EvaluationAllocatesNothing) {
     const Points cage = mesh.positions();
     const Subdivision made = make_subdivision(mesh.cage(), cage.size(), {.level = 3});
     Points positions(made.stencils.vertex_count()), normals(positions.size());
-    const size_t before = allocation_count;
+    const size_t before = allocation_count();
     evaluate(made.stencils, cage, positions, normals);
-    EXPECT_EQ(allocation_count, before);
+    EXPECT_EQ(allocation_count(), before);
     EXPECT_GT(before, 0u);
     set_thread_count(0);
 }
