@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/bench/bench_scenes.h"
+#include "apps/common/parse_command_line.h"
 #include "apps/common/usage_error.h"
 
 namespace zoe {
@@ -95,14 +96,7 @@ std::optional<Options> parse_options(int argc, char** argv) {
     add_options(app, options, texts);
     app.footer(footer());
     app.get_formatter()->column_width(34);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::CallForHelp&) {
-        fmt::print("{}", app.help());
-        return std::nullopt;
-    } catch (const CLI::ParseError& error) {
-        throw UsageError(fmt::format("{}; --help lists the options", error.what()));
-    }
+    if (!parse_command_line(app, argc, argv)) return std::nullopt;
     require(!options.frames || (*options.frames >= 1 && *options.frames <= 100'000), "--frames: a number from 1 to 100000");
     require(options.repeats >= 1 && options.repeats <= 1000, "--repeats: a number from 1 to 1000");
     require(!app.count("--threads") || (options.threads >= 1 && options.threads <= 1024),

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/common/open_scene.h"
+#include "apps/common/parse_command_line.h"
 #include "apps/common/usage_error.h"
 
 namespace zoe {
@@ -148,14 +149,7 @@ std::optional<Options> parse_options(int argc, char** argv) {
     add_options(app, options, texts, flags);
     app.footer(footer());
     app.get_formatter()->column_width(38);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::CallForHelp&) {
-        fmt::print("{}", app.help());
-        return std::nullopt;
-    } catch (const CLI::ParseError& error) {
-        throw UsageError(fmt::format("{}; --help lists the options", error.what()));
-    }
+    if (!parse_command_line(app, argc, argv)) return std::nullopt;
 
     require(!flags.loops || !flags.stays, "--loop and --no-loop: give one of them");
     options.is_looping = !flags.stays;

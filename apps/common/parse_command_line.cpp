@@ -1,0 +1,22 @@
+#include "apps/common/parse_command_line.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "apps/common/usage_error.h"
+
+namespace zoe {
+
+bool parse_command_line(CLI::App& app, int argc, char** argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        fmt::print("{}", app.help());
+        return false;
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(fmt::format("{}; --help lists the options", error.what()));
+    }
+    return true;
+}
+
+}  // namespace zoe
