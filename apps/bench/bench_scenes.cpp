@@ -26,7 +26,7 @@ std::span<const BenchScene> bench_scenes() {
         BenchScene{"mixed", "mixed-20", 60, {1024, 1024}, "a static room, 100 rigid objects, a cloth, an explosion"},
         BenchScene{"instances-1000", "instances-1000", 8, {512, 512}, "1,000 copies that all move every frame"},
         BenchScene{"instances-10000", "instances-10000", 8, {512, 512}, "10,000 of them"},
-        BenchScene{"instances-100000", "instances-100000", 4, {512, 512}, "100,000 of them"},
+        BenchScene{"instances-100000", "instances-100000", 8, {512, 512}, "100,000 of them"},
     };
     return scenes;
 }

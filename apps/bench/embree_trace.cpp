@@ -38,10 +38,11 @@ private:
 #endif
 };
 
-RTCIntersectContext context_for(EmbreeTraceMode mode) {
+RTCIntersectContext context_for(EmbreeRays form) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = mode.is_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags =
+        form == EmbreeRays::kCoherentPackets ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     return context;
 }
 
@@ -84,11 +85,11 @@ Hit to_hit(const EmbreeLayout& layout, float t, float u, float v, unsigned primi
 
 /// Calls `one(k, context)` for items 0 to item_count in tasks. Returns ms.
 template <typename One>
-double timed_tasks(size_t item_count, size_t items_a_task, EmbreeTraceMode mode, One&& one) {
+double timed_tasks(size_t item_count, size_t items_a_task, EmbreeRays form, One&& one) {
     Stopwatch watch;
     parallel_for(0, item_count, items_a_task, [&](size_t begin, size_t end) {
         const FlushDenormals flush;
-        RTCIntersectContext context = context_for(mode);
+        RTCIntersectContext context = context_for(form);
         for (size_t k = begin; k < end; ++k) one(k, &context);
     });
     return watch.restart_ms();
@@ -117,18 +118,18 @@ void for_all(size_t count, One&& one) {
 
 }  // namespace
 
-double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeTraceMode mode,
+double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form,
                                   std::span<Hit> hits) {
     assert(rays.size() == hits.size());
     const RTCScene scene = layout.top();
-    if (!mode.uses_packets) {
+    if (form == EmbreeRays::kSingle) {
         closest_.resize(rays.size());
         for_all(rays.size(), [&](size_t k) {
             closest_[k].ray = to_single(rays[k]);
             closest_[k].hit.geomID = RTC_INVALID_GEOMETRY_ID;
             closest_[k].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         });
-        const double ms = timed_tasks(rays.size(), kRaysATask, mode, [&](size_t k, RTCIntersectContext* context) {
+        const double ms = timed_tasks(rays.size(), kRaysATask, form, [&](size_t k, RTCIntersectContext* context) {
             rtcIntersect1(scene, context, &closest_[k]);
         });
         for_all(rays.size(), [&](size_t k) {
@@ -145,7 +146,7 @@ double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ra
         packet.hit.geomID[k % kLanes] = RTC_INVALID_GEOMETRY_ID;
         packet.hit.instID[0][k % kLanes] = RTC_INVALID_GEOMETRY_ID;
     });
-    const double ms = timed_tasks(count, kRaysATask / kLanes, mode, [&](size_t k, RTCIntersectContext* context) {
+    const double ms = timed_tasks(count, kRaysATask / kLanes, form, [&](size_t k, RTCIntersectContext* context) {
         const Lanes lanes(rays.size(), k);
         rtcIntersect16(lanes.is_valid.data(), scene, context, &closest_packets_[k]);
     });
@@ -159,16 +160,16 @@ double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ra
     return ms;
 }
 
-double EmbreeTracer::any_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeTraceMode mode,
+double EmbreeTracer::any_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form,
                               std::span<uint8_t> is_hit) {
     assert(rays.size() == is_hit.size());
     const RTCScene scene = layout.top();
     // A ray that hits something comes back with a far end of minus infinity.
     constexpr float kHitMark = -std::numeric_limits<float>::infinity();
-    if (!mode.uses_packets) {
+    if (form == EmbreeRays::kSingle) {
         any_.resize(rays.size());
         for_all(rays.size(), [&](size_t k) { any_[k] = to_single(rays[k]); });
-        const double ms = timed_tasks(rays.size(), kRaysATask, mode, [&](size_t k, RTCIntersectContext* context) {
+        const double ms = timed_tasks(rays.size(), kRaysATask, form, [&](size_t k, RTCIntersectContext* context) {
             rtcOccluded1(scene, context, &any_[k]);
         });
         for_all(rays.size(), [&](size_t k) { is_hit[k] = any_[k].tfar == kHitMark; });
@@ -177,7 +178,7 @@ double EmbreeTracer::any_hits(const EmbreeLayout& layout, std::span<const Ray> r
     const size_t count = packet_count(rays.size());
     any_packets_.resize(count);
     for_all(rays.size(), [&](size_t k) { put(rays[k], k % kLanes, &any_packets_[k / kLanes]); });
-    const double ms = timed_tasks(count, kRaysATask / kLanes, mode, [&](size_t k, RTCIntersectContext* context) {
+    const double ms = timed_tasks(count, kRaysATask / kLanes, form, [&](size_t k, RTCIntersectContext* context) {
         const Lanes lanes(rays.size(), k);
         rtcOccluded16(lanes.is_valid.data(), scene, context, &any_packets_[k]);
     });

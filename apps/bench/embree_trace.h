@@ -8,21 +8,15 @@
 
 namespace zoe {
 
-/// How a batch of rays goes through Embree.
-struct EmbreeTraceMode {
-    bool is_coherent = false;  ///< Embree is told that neighbours take about the same way.
-    bool uses_packets = false;
-};
-
 /// Traces batches of rays. Keeps its memory from call to call.
 class EmbreeTracer {
 public:
     /// The clock runs while Embree traces, not while rays and hits change their form. In tasks of kRaysATask.
     /// hits       [ray_count]
     /// Returns    ms.
-    double closest_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeTraceMode mode, std::span<Hit> hits);
+    double closest_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form, std::span<Hit> hits);
     /// is_hit     [ray_count] 1 or 0.
-    double any_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeTraceMode mode, std::span<uint8_t> is_hit);
+    double any_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form, std::span<uint8_t> is_hit);
 
 private:
     std::vector<RTCRayHit> closest_;

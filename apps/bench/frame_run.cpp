@@ -132,26 +132,24 @@ FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
     return record;
 }
 
-std::vector<FrameRun::PeerTrial> FrameRun::try_peers(int frame, std::span<const std::unique_ptr<EmbreePeer>> peers) {
-    std::vector<PeerTrial> trials(peers.size());
+void FrameRun::try_peers(int frame, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials) {
     tlas_ = &advance(content_, frame / kBenchFps, nullptr);
     for (size_t k = 0; k < peers.size(); ++k) {
         const EmbreePeer::UpdateTimes times = peers[k]->update(content_.scene, *tlas_);
-        trials[k].update_ms = times.update_ms + times.build_tlas_ms;
+        trials[k].update_ms += times.update_ms + times.build_tlas_ms;
     }
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
-        for (const bool uses_packets : {false, true}) {
+        for (const EmbreeRays rays : forms_of(kind)) {
             for (size_t turn = 0; turn < peers.size(); ++turn) {
                 const size_t k = (turn + static_cast<size_t>(frame)) % peers.size();
-                peers[k]->set_packets(kind, uses_packets);
-                trials[k].trace_ms[static_cast<size_t>(kind)][uses_packets] = trace_peer(kind, peers[k].get());
+                peers[k]->set_rays(kind, rays);
+                trials[k].trace_ms[static_cast<size_t>(kind)][static_cast<size_t>(rays)] += trace_peer(kind, peers[k]);
             }
         }
         Batch& batch = batches_[static_cast<size_t>(kind)];
         batch.hits = batch.peer_hits;  // for the next rays
     }
-    return trials;
 }
 
 }  // namespace zoe

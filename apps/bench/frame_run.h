@@ -26,14 +26,14 @@ public:
     /// is_peer_first  who traces first. The frame is made by ours first in any case: the peer takes its vertices.
     FrameRecord run(int frame, EmbreePeer* peer, bool is_peer_first);
 
-    /// What the peer alone takes for a frame: by kind of ray with single rays [0] and with packets [1].
+    /// What the peer alone takes for frames.
     struct PeerTrial {
         double update_ms = 0.0;
-        std::array<std::array<double, 2>, kRayKindCount> trace_ms{};
+        std::array<std::array<double, kEmbreeRays.size()>, kRayKindCount> trace_ms{};  ///< [kind][how handed over]
     };
-    /// Each peer for itself, in turn, so that a drifting machine hits all of them.
-    /// Returns    [peer_count]
-    std::vector<PeerTrial> try_peers(int frame, std::span<const std::unique_ptr<EmbreePeer>> peers);
+    /// Plays a frame with each peer alone, in turn, so that a drifting machine hits all of them.
+    /// trials     [peer_count] what the frame took is added.
+    void try_peers(int frame, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials);
 
     const Tlas& tlas() const { return *tlas_; }
     /// Of the last frame.

@@ -100,9 +100,6 @@ int run(const Options& options) {
     set_thread_count(options.threads);
     const std::vector<SceneHashes> expected = expected_hashes(options);
     const std::vector<BenchScene> scenes = choose_scenes(options, expected);
-    if (options.has_peer && !is_embree_available()) {
-        throw UsageError("--peer embree: built without Embree: install libembree-dev, configure and build again");
-    }
     const int core_count = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     if (options.has_peer && thread_count() > core_count) {
         throw UsageError(fmt::format("--threads {}: with --peer embree at most {}: Embree runs no more threads than cores",
@@ -115,7 +112,8 @@ int run(const Options& options) {
                             .has_peer = options.has_peer,
                             .is_peer_robust = options.is_peer_robust,
                             .is_peer_high = options.is_peer_high};
-    const auto machine = describe_machine();
+    auto machine = describe_machine();
+    if (options.has_peer) machine.emplace_back("peer", EmbreePeer::version());
     fmt::print("{}\n{}", machine_text(machine), stages_heading(options.has_peer));
     std::vector<RunStats> runs;
     std::vector<SceneHashes> hashes;

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 
 #include "apps/bench/peer_embree.h"
@@ -15,39 +18,51 @@ uint64_t world_triangle_count(const Tlas& tlas) {
     return count;
 }
 
-bool has_arbitrary(const Scene& scene) {
-    for (const Shape& shape : scene.frame->shapes) {
-        if (shape.motion.motion == Motion::kArbitrary) return true;
-    }
-    return false;
+bool has(const Scene& scene, Motion motion) {
+    return std::ranges::any_of(scene.frame->shapes, [=](const Shape& shape) { return shape.motion.motion == motion; });
+}
+
+bool is_all_static(const Scene& scene) {
+    return std::ranges::all_of(scene.frame->shapes,
+                               [](const Shape& shape) { return shape.motion.motion == Motion::kStatic; });
+}
+
+const char* medium_or_low(bool is_medium) {
+    return is_medium ? "MEDIUM" : "LOW";
 }
 
 }  // namespace
 
 std::string EmbreeConfig::describe() const {
-    std::string packets;
+    std::string form = "one scene, rigid and deforming REFIT";
+    if (layout == Layout::kInstances)
+        form = fmt::format("instances under {}, deforming REFIT", medium_or_low(is_top_medium));
+    constexpr std::array kForms = {"single", "packets of 16 for", "coherent packets of 16 for"};
+    std::string forms;
     for (const RayKind kind : kRayKinds) {
-        if (uses_packets[static_cast<size_t>(kind)])
-            packets += fmt::format("{}{}", packets.empty() ? "" : " and ", name(kind));
+        const size_t k = static_cast<size_t>(kind);
+        forms += fmt::format("{}{} {}", forms.empty() ? "" : ", ", kForms[static_cast<size_t>(rays[k])], name(kind));
     }
-    const char* const form =
-        layout == Layout::kInstances ? "instances, deforming REFIT" : "one scene, rigid and deforming REFIT";
-    return fmt::format("{}, arbitrary {}, static {}, {}, {}", form, is_arbitrary_medium ? "MEDIUM" : "LOW",
-                       is_static_high ? "HIGH" : "MEDIUM", is_robust ? "robust" : "fast",
-                       packets.empty() ? "single rays" : fmt::format("packets of 16 for {} rays", packets));
+    return fmt::format("{}, arbitrary {}, static {}, {}; {} rays", form, medium_or_low(is_arbitrary_medium),
+                       is_static_high ? "HIGH" : "MEDIUM", is_robust ? "robust" : "fast", forms);
 }
 
 std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, bool is_static_high, bool is_robust) {
-    std::vector<EmbreeConfig::Layout> layouts = {EmbreeConfig::Layout::kInstances};
-    if (world_triangle_count(tlas) <= kMaxOneSceneTriangles) layouts.push_back(EmbreeConfig::Layout::kOneScene);
+    using Layout = EmbreeConfig::Layout;
     std::vector<EmbreeConfig> configs;
-    for (const EmbreeConfig::Layout layout : layouts) {
-        for (const bool is_arbitrary_medium : {false, true}) {
-            if (is_arbitrary_medium && !has_arbitrary(scene)) continue;
-            configs.push_back({.layout = layout,
-                               .is_arbitrary_medium = is_arbitrary_medium,
-                               .is_static_high = is_static_high,
-                               .is_robust = is_robust});
+    for (const bool is_arbitrary_medium : {false, true}) {
+        if (is_arbitrary_medium && !has(scene, Motion::kArbitrary)) continue;
+        EmbreeConfig config{.is_arbitrary_medium = is_arbitrary_medium, .is_robust = is_robust};
+        if (world_triangle_count(tlas) <= kMaxOneSceneTriangles) {
+            config.layout = Layout::kOneScene;
+            config.is_static_high = is_static_high && is_all_static(scene);
+            configs.push_back(config);
+        }
+        config.layout = Layout::kInstances;
+        config.is_static_high = is_static_high;
+        for (const bool is_top_medium : {false, true}) {
+            config.is_top_medium = is_top_medium;
+            configs.push_back(config);
         }
     }
     return configs;

@@ -1,8 +1,11 @@
 #include "apps/bench/peer_embree.h"
 
+#include <algorithm>
 #include <cassert>
 #include <memory>
 #include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "apps/bench/embree_device.h"
 #include "apps/bench/embree_layout.h"
@@ -17,7 +20,16 @@ bool is_embree_available() {
 }
 
 std::string EmbreePeer::version() {
-    return "Embree " RTC_VERSION_STRING;
+    const EmbreeDevice device(1);
+    const auto property = [&](RTCDeviceProperty name) { return rtcGetDeviceProperty(device.handle(), name); };
+    std::string widths;
+    for (const auto& [name, width] :
+         {std::pair(RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED, 4), std::pair(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED, 8),
+          std::pair(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED, 16)}) {
+        if (property(name)) widths += fmt::format("{}{}", widths.empty() ? "" : ", ", width);
+    }
+    return fmt::format("Embree {}.{}.{}, native packets of {}", property(RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+                       property(RTC_DEVICE_PROPERTY_VERSION_MINOR), property(RTC_DEVICE_PROPERTY_VERSION_PATCH), widths);
 }
 
 /// The device outlives what was made by it.
@@ -30,9 +42,7 @@ struct EmbreePeer::State {
     std::unique_ptr<EmbreeLayout> layout;
     EmbreeTracer tracer;
 
-    EmbreeTraceMode mode(RayKind kind) const {
-        return {.is_coherent = kind == RayKind::kPrimary, .uses_packets = config.uses_packets[static_cast<size_t>(kind)]};
-    }
+    EmbreeRays rays(RayKind kind) const { return config.rays[static_cast<size_t>(kind)]; }
     const EmbreeLayout& updated_layout() const {
         if (!layout) throw std::logic_error("EmbreePeer: update comes before rays");
         return *layout;
@@ -60,15 +70,16 @@ EmbreePeer::UpdateTimes EmbreePeer::update(const Scene& scene, const Tlas& tlas)
 }
 
 double EmbreePeer::closest_hits(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits) {
-    return state_->tracer.closest_hits(state_->updated_layout(), rays, state_->mode(kind), hits);
+    return state_->tracer.closest_hits(state_->updated_layout(), rays, state_->rays(kind), hits);
 }
 
 double EmbreePeer::any_hits(std::span<const Ray> rays, RayKind kind, std::span<uint8_t> is_hit) {
-    return state_->tracer.any_hits(state_->updated_layout(), rays, state_->mode(kind), is_hit);
+    return state_->tracer.any_hits(state_->updated_layout(), rays, state_->rays(kind), is_hit);
 }
 
-void EmbreePeer::set_packets(RayKind kind, bool uses_packets) {
-    state_->config.uses_packets[static_cast<size_t>(kind)] = uses_packets;
+void EmbreePeer::set_rays(RayKind kind, EmbreeRays rays) {
+    assert(std::ranges::count(forms_of(kind), rays) == 1);
+    state_->config.rays[static_cast<size_t>(kind)] = rays;
 }
 
 }  // namespace zoe

@@ -12,23 +12,33 @@
 
 namespace zoe {
 
-/// How Embree holds a scene. What is best depends on the scene: `embree_configs` lists what to try.
+/// How rays are handed to Embree: one by one, or sixteen at a time, with its advice that they are coherent or without.
+enum class EmbreeRays : uint8_t { kSingle, kPackets, kCoherentPackets };
+inline constexpr std::array kEmbreeRays = {EmbreeRays::kSingle, EmbreeRays::kPackets, EmbreeRays::kCoherentPackets};
+/// Those that Embree can take: from any-hit packets with that advice version 3.13.5 does not always come back.
+inline std::span<const EmbreeRays> forms_of(RayKind kind) {
+    return std::span(kEmbreeRays).first(kind == RayKind::kShadow ? 2 : 3);
+}
+
+/// How Embree holds a scene, and takes its rays. What is best depends on the scene: `embree_configs` lists what to try.
 struct EmbreeConfig {
     /// kInstances: each mesh has a scene of its own, shown by instances whose top level is rebuilt each frame.
     /// kOneScene: all triangles in world space in one scene, moving nodes' transformed each frame; merged by Embree.
     enum class Layout : uint8_t { kInstances, kOneScene };
     Layout layout = Layout::kInstances;
+    bool is_top_medium = false;        ///< The instances' top level is built at MEDIUM, not LOW.
     bool is_arbitrary_medium = false;  ///< Arbitrary nodes are built at MEDIUM, not LOW.
-    bool is_static_high = false;       ///< Static and rigid nodes are built at HIGH (spatial splits), not MEDIUM.
-    bool is_robust = false;            ///< RTC_SCENE_FLAG_ROBUST on every scene.
-    std::array<bool, kRayKindCount> uses_packets{};  ///< By kind: packets of 16 rays, not single rays.
+    bool is_static_high = false;  ///< Static nodes, and rigid ones' meshes, are built at HIGH (spatial splits), not MEDIUM.
+    bool is_robust = false;       ///< RTC_SCENE_FLAG_ROBUST on every scene.
+    std::array<EmbreeRays, kRayKindCount> rays{};  ///< By kind.
 
-    /// "one scene, arbitrary LOW, static MEDIUM, fast, packets of 16 for primary rays".
+    /// "one scene, rigid and deforming REFIT, arbitrary LOW, static MEDIUM, fast; coherent packets of 16 for primary, single
+    /// diffuse, single shadow rays".
     std::string describe() const;
 };
 
-/// The configurations worth trying for a scene: layouts, and qualities for the classes that it has. Packets are left at
-/// single rays.
+/// The configurations worth trying for a scene: layouts, and qualities for the classes that it has. Rays are left at single
+/// ones. HIGH only where Embree builds it: in one scene with others that move it would be MEDIUM, and nothing said.
 std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, bool is_static_high, bool is_robust);
 
 /// Whether this program was built with Embree.
@@ -45,7 +55,8 @@ public:
     EmbreePeer(const EmbreePeer&) = delete;
     EmbreePeer& operator=(const EmbreePeer&) = delete;
 
-    /// "Embree 3.13.5".
+    /// "Embree 3.13.5, native packets of 4, 8, 16": the widths tell which instruction set it runs with.
+    /// Throws     as the constructor.
     static std::string version();
 
     struct UpdateTimes {
@@ -70,8 +81,9 @@ public:
     /// is_hit     [ray_count] 1 or 0.
     double any_hits(std::span<const Ray> rays, RayKind kind, std::span<uint8_t> is_hit);
 
-    /// From the next call on. For trying both.
-    void set_packets(RayKind kind, bool uses_packets);
+    /// From the next call on.
+    /// rays       one of `forms_of(kind)`.
+    void set_rays(RayKind kind, EmbreeRays rays);
 
 private:
     struct State;

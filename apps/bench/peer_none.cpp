@@ -40,7 +40,7 @@ double EmbreePeer::any_hits(std::span<const Ray>, RayKind, std::span<uint8_t>) {
     refuse();
 }
 
-void EmbreePeer::set_packets(RayKind, bool) {
+void EmbreePeer::set_rays(RayKind, EmbreeRays) {
     refuse();
 }
 

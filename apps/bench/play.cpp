@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
+#include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -16,9 +19,16 @@ namespace zoe {
 namespace {
 
 /// Frames by which the peer's configurations are told apart, after one that warms up.
-constexpr int kTrialFrames = 3;
+constexpr int kTrialFrames = 4;
+/// One that takes this many times the best one's time so far is given up.
+constexpr double kFarBehind = 1.2;
 /// Rays of a scene that are judged: brute force takes a few ms each.
 constexpr size_t kMaxJudged = 20'000;
+/// That are judged between two reports of progress.
+constexpr size_t kJudgedAtOnce = 500;
+
+/// A ray of a frame, and what the peer found.
+using DisagreementKey = std::tuple<int, RayKind, size_t, NodeId, uint32_t, float>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -46,13 +56,31 @@ void take_least(const FrameRecord& again, FrameRecord* record) {
     if (again.peer) take_least(*again.peer, {&PeerStats::update_ms, &PeerStats::build_tlas_ms}, &*record->peer);
 }
 
-void take_least(const FrameRun::PeerTrial& from, FrameRun::PeerTrial* to) {
-    to->update_ms = std::min(to->update_ms, from.update_ms);
-    for (size_t kind = 0; kind < kRayKindCount; ++kind) {
-        for (size_t form = 0; form < 2; ++form)
-            to->trace_ms[kind][form] = std::min(to->trace_ms[kind][form], from.trace_ms[kind][form]);
+/// A configuration of the peer on trial.
+struct Candidate {
+    EmbreeConfig config;
+    std::unique_ptr<EmbreePeer> peer;  ///< Null once it is too far behind.
+    FrameRun::PeerTrial trial;         ///< Of `frame_count` frames together.
+    int frame_count = 0;
+
+    /// Hands each kind of rays over in the way that took least.
+    void choose_rays() {
+        for (const RayKind kind : kRayKinds) {
+            const std::span<const double> ms = trace_ms(kind);
+            const auto least = std::ranges::min_element(ms) - ms.begin();
+            config.rays[static_cast<size_t>(kind)] = forms_of(kind)[static_cast<size_t>(least)];
+        }
     }
-}
+    double frame_ms() const {
+        double sum_ms = trial.update_ms;
+        for (const RayKind kind : kRayKinds) sum_ms += std::ranges::min(trace_ms(kind));
+        return sum_ms / frame_count;
+    }
+    /// [forms_of(kind)]
+    std::span<const double> trace_ms(RayKind kind) const {
+        return std::span(trial.trace_ms[static_cast<size_t>(kind)]).first(forms_of(kind).size());
+    }
+};
 
 class Player {
 public:
@@ -83,43 +111,63 @@ private:
         return view;
     }
 
-    void report_step(const std::string& detail) {
+    void report_within_step(const std::string& detail) const {
         if (is_interrupted()) throw Interrupted("interrupted");
-        report_(static_cast<double>(steps_done_++) / step_count_, detail);
+        report_(static_cast<double>(steps_done_) / step_count_, detail);
+    }
+    void report_step(const std::string& detail) {
+        report_within_step(detail);
+        ++steps_done_;
     }
 
+    /// Plays frames all over the clip with every configuration, in turn; those far behind are dropped on the way.
     void choose_peer_config() {
         PeerRun peer;
         peer.name = EmbreePeer::version();
         const Tlas& tlas = advance(content_, 0.0, nullptr);
-        const std::vector<EmbreeConfig> configs =
-            embree_configs(content_.scene, tlas, config_.is_peer_high, config_.is_peer_robust);
-        step_count_ += kTrialFrames + 1;
-        std::vector<std::unique_ptr<EmbreePeer>> peers;
-        for (const EmbreeConfig& config : configs) peers.push_back(std::make_unique<EmbreePeer>(config, thread_count()));
-        std::vector<FrameRun::PeerTrial> least;
-        for (int frame = 0; frame <= kTrialFrames; ++frame) {
+        std::vector<Candidate> candidates;
+        for (const EmbreeConfig& config :
+             embree_configs(content_.scene, tlas, config_.is_peer_high, config_.is_peer_robust)) {
+            candidates.push_back(
+                {.config = config, .peer = std::make_unique<EmbreePeer>(config, thread_count()), .trial = {}});
+        }
+        const int trial_count = std::min(kTrialFrames, scene_.frame_count);
+        step_count_ += trial_count + 1;
+        for (int trial = 0; trial <= trial_count; ++trial) {
             report_step("trying Embree's configurations");
-            const std::vector<FrameRun::PeerTrial> trials = frame_run_.try_peers(frame, peers);
-            if (frame <= 1) least = trials;  // the first warms up
-            for (size_t k = 0; k < trials.size(); ++k) take_least(trials[k], &least[k]);
+            try_candidates(1 + (trial - 1) * scene_.frame_count / trial_count, trial == 0, &candidates);
         }
-        double least_ms = kInfinity;
-        for (size_t k = 0; k < configs.size(); ++k) {
-            EmbreeConfig config = configs[k];
-            double frame_ms = least[k].update_ms;
-            for (size_t kind = 0; kind < kRayKindCount; ++kind) {
-                const auto& [single_ms, packets_ms] = least[k].trace_ms[kind];
-                config.uses_packets[kind] = packets_ms < single_ms;
-                frame_ms += std::min(single_ms, packets_ms);
-            }
-            peer.tried.push_back({config.describe(), frame_ms});
-            if (frame_ms >= least_ms) continue;
-            least_ms = frame_ms;
-            peer_config_ = config;
+        for (Candidate& candidate : candidates) {
+            candidate.choose_rays();
+            peer.tried.push_back({candidate.config.describe(), candidate.frame_ms()});
         }
+        peer_config_ = std::ranges::min_element(candidates, {}, &Candidate::frame_ms)->config;
         peer.configuration = peer_config_.describe();
         played_.run.peer = std::move(peer);
+    }
+
+    /// is_warm_up a frame that counts for nothing.
+    void try_candidates(int frame, bool is_warm_up, std::vector<Candidate>* candidates) {
+        std::vector<EmbreePeer*> peers;
+        std::vector<FrameRun::PeerTrial> trials;
+        for (const Candidate& candidate : *candidates) {
+            if (!candidate.peer) continue;
+            peers.push_back(candidate.peer.get());
+            trials.push_back(candidate.trial);
+        }
+        frame_run_.try_peers(is_warm_up ? 0 : frame, peers, trials);
+        if (is_warm_up) return;
+        double least_ms = kInfinity;
+        auto trial = trials.begin();
+        for (Candidate& candidate : *candidates) {
+            if (!candidate.peer) continue;
+            candidate.trial = *trial++;
+            ++candidate.frame_count;
+            least_ms = std::min(least_ms, candidate.frame_ms());
+        }
+        for (Candidate& candidate : *candidates) {
+            if (candidate.frame_ms() > kFarBehind * least_ms) candidate.peer.reset();
+        }
     }
 
     void play_once(int repeat) {
@@ -130,11 +178,13 @@ private:
             report_step(fmt::format("repeat {}/{}, frame {}", repeat + 1, config_.repeats, frame));
             FrameRecord record = frame_run_.run(frame, peer.get(), (frame + repeat) % 2 != 0);
             std::vector<FrameRecord>& frames = played_.run.frames;
+            const size_t new_disagreement_count = judge_frame(frame);
             if (repeat > 0) {
-                take_least(record, frame == 0 ? &*played_.run.warm_up : &frames[static_cast<size_t>(frame) - 1]);
+                FrameRecord& first = frame == 0 ? *played_.run.warm_up : frames[static_cast<size_t>(frame) - 1];
+                take_least(record, &first);
+                if (first.peer) first.peer->disagreements += new_disagreement_count;
                 continue;
             }
-            judge_frame();
             if (frame == 0) {
                 describe();
                 played_.run.warm_up = std::move(record);
@@ -152,12 +202,25 @@ private:
         played_.run.peer = std::move(peer);
     }
 
-    void judge_frame() {
-        std::span<const Disagreement> found = frame_run_.disagreements();
-        const size_t room = kMaxJudged - played_.disagreements.size();
-        if (found.size() > room) played_.run.peer->not_judged += found.size() - room;
-        found = found.first(std::min(found.size(), room));
-        if (found.empty()) return;
+    /// Of a repeat, what was not found before: Embree's trees may differ from build to build.
+    /// Returns    how many those are.
+    size_t judge_frame(int frame) {
+        std::vector<Disagreement> found;
+        for (const Disagreement& disagreement : frame_run_.disagreements()) {
+            const Hit& hit = disagreement.peers;
+            const DisagreementKey key{frame, disagreement.kind, disagreement.ray_index, hit.node, hit.primitive, hit.t};
+            if (known_.insert(key).second) found.push_back(disagreement);
+        }
+        const size_t count = std::min(found.size(), kMaxJudged - played_.disagreements.size());
+        if (count < found.size()) played_.run.peer->not_judged += found.size() - count;
+        for (size_t begin = 0; begin < count; begin += kJudgedAtOnce) {
+            report_within_step(fmt::format("frame {}: judging {} of {} rays that disagree", frame, begin, count));
+            judge_some(std::span(found).subspan(begin, std::min(kJudgedAtOnce, count - begin)));
+        }
+        return found.size();
+    }
+
+    void judge_some(std::span<const Disagreement> found) {
         const std::vector<Verdict> verdicts = judge(frame_run_.tlas(), found);
         for (size_t k = 0; k < found.size(); ++k) {
             played_.disagreements.push_back(found[k]);
@@ -186,6 +249,7 @@ private:
     Content content_;
     FrameRun frame_run_;
     EmbreeConfig peer_config_;
+    std::set<DisagreementKey> known_;
     Played played_;
     int steps_done_ = 0, step_count_ = 1;
 };

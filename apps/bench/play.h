@@ -26,8 +26,8 @@ using Report = std::function<void(double share, const std::string& detail)>;
 
 /// Plays a scene and times every stage of every frame: frame 0 warms up, 1 to frame_count are measured. Every repeat starts
 /// afresh and does the same work; what counts is each stage's least time. The peer, where there is one, gets the same
-/// vertices, matrices and rays, next to ours, in turns of who is first; before that its configurations are tried on the
-/// first frames, and the fastest one stays.
+/// vertices, matrices and rays, next to ours, in turns of who is first; before that its configurations are tried on a few
+/// frames of the clip, and the fastest one stays.
 /// Throws     SceneError; std::runtime_error where hits differ between repeats; Interrupted.
 Played play(const BenchScene& scene, const PlayConfig& config, const Report& report);
 
