@@ -12,6 +12,7 @@ EmbreeDevice::EmbreeDevice(int threads) : device_(rtcNewDevice(fmt::format("thre
         throw std::runtime_error(fmt::format("Embree: no device (error {})", static_cast<int>(rtcGetDeviceError(nullptr))));
     }
     rtcSetDeviceErrorFunction(device_, report, this);
+    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, this);
 }
 
 EmbreeDevice::~EmbreeDevice() {
@@ -30,6 +31,11 @@ void EmbreeDevice::report(void* device, RTCError code, const char* text) {
     EmbreeDevice& self = *static_cast<EmbreeDevice*>(device);
     const std::lock_guard lock(self.mutex_);
     if (self.error_.empty()) self.error_ = fmt::format("Embree: {} (error {})", text ? text : "", static_cast<int>(code));
+}
+
+bool EmbreeDevice::count_bytes(void* device, ssize_t change, bool) {
+    static_cast<EmbreeDevice*>(device)->byte_count_ += change;
+    return true;
 }
 
 void EmbreeDevice::check() {

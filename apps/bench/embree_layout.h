@@ -1,12 +1,19 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "apps/bench/embree_device.h"
 #include "apps/bench/peer_embree.h"
 
 namespace zoe {
+
+/// What rays are traced through.
+struct EmbreeTarget {
+    RTCScene scene;
+    std::span<const NodeId> nodes;  ///< Of an instance's id, or of a geometry's where the hit is not in an instance.
+};
 
 /// A scene as Embree holds it, by one of the layouts. Made for one frame state of the scene.
 class EmbreeLayout {
@@ -16,10 +23,7 @@ public:
     /// As EmbreePeer's. Every frame that `advance` made must be shown to it, in order.
     virtual EmbreePeer::UpdateTimes update(const Scene& scene, const Tlas& tlas) = 0;
 
-    /// What rays are traced through.
-    RTCScene top() const { return top_.get(); }
-    /// The node of an instance's id, or of a geometry's where the hit is not in an instance.
-    NodeId node(unsigned id) const { return nodes_[id]; }
+    EmbreeTarget target() const { return {top_.get(), nodes_}; }
 
 protected:
     EmbreeScene top_;

@@ -77,9 +77,9 @@ void put(const Ray& ray, size_t lane, RTCRay16* packet) {
 }
 
 /// Ids are instance ids where there are instances.
-Hit to_hit(const EmbreeLayout& layout, float t, float u, float v, unsigned primitive, unsigned geometry, unsigned instance) {
+Hit to_hit(const EmbreeTarget& target, float t, float u, float v, unsigned primitive, unsigned geometry, unsigned instance) {
     if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
-    const NodeId node = layout.node(instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry);
+    const NodeId node = target.nodes[instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry];
     return {.t = t, .u = u, .v = v, .node = node, .primitive = primitive};
 }
 
@@ -118,10 +118,10 @@ void for_all(size_t count, One&& one) {
 
 }  // namespace
 
-double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form,
+double EmbreeTracer::closest_hits(const EmbreeTarget& target, std::span<const Ray> rays, EmbreeRays form,
                                   std::span<Hit> hits) {
     assert(rays.size() == hits.size());
-    const RTCScene scene = layout.top();
+    const RTCScene scene = target.scene;
     if (form == EmbreeRays::kSingle) {
         closest_.resize(rays.size());
         for_all(rays.size(), [&](size_t k) {
@@ -134,7 +134,7 @@ double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ra
         });
         for_all(rays.size(), [&](size_t k) {
             const RTCHit& hit = closest_[k].hit;
-            hits[k] = to_hit(layout, closest_[k].ray.tfar, hit.u, hit.v, hit.primID, hit.geomID, hit.instID[0]);
+            hits[k] = to_hit(target, closest_[k].ray.tfar, hit.u, hit.v, hit.primID, hit.geomID, hit.instID[0]);
         });
         return ms;
     }
@@ -154,16 +154,16 @@ double EmbreeTracer::closest_hits(const EmbreeLayout& layout, std::span<const Ra
         const size_t lane = k % kLanes;
         const RTCRayHit16& packet = closest_packets_[k / kLanes];
         const RTCHit16& hit = packet.hit;
-        hits[k] = to_hit(layout, packet.ray.tfar[lane], hit.u[lane], hit.v[lane], hit.primID[lane], hit.geomID[lane],
+        hits[k] = to_hit(target, packet.ray.tfar[lane], hit.u[lane], hit.v[lane], hit.primID[lane], hit.geomID[lane],
                          hit.instID[0][lane]);
     });
     return ms;
 }
 
-double EmbreeTracer::any_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form,
+double EmbreeTracer::any_hits(const EmbreeTarget& target, std::span<const Ray> rays, EmbreeRays form,
                               std::span<uint8_t> is_hit) {
     assert(rays.size() == is_hit.size());
-    const RTCScene scene = layout.top();
+    const RTCScene scene = target.scene;
     // A ray that hits something comes back with a far end of minus infinity.
     constexpr float kHitMark = -std::numeric_limits<float>::infinity();
     if (form == EmbreeRays::kSingle) {

@@ -14,9 +14,9 @@ public:
     /// The clock runs while Embree traces, not while rays and hits change their form. In tasks of kRaysATask.
     /// hits       [ray_count]
     /// Returns    ms.
-    double closest_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form, std::span<Hit> hits);
+    double closest_hits(const EmbreeTarget& target, std::span<const Ray> rays, EmbreeRays form, std::span<Hit> hits);
     /// is_hit     [ray_count] 1 or 0.
-    double any_hits(const EmbreeLayout& layout, std::span<const Ray> rays, EmbreeRays form, std::span<uint8_t> is_hit);
+    double any_hits(const EmbreeTarget& target, std::span<const Ray> rays, EmbreeRays form, std::span<uint8_t> is_hit);
 
 private:
     std::vector<RTCRayHit> closest_;

@@ -20,6 +20,17 @@ double timed_trace(size_t ray_count, Trace&& trace) {
 
 }  // namespace
 
+ViewChoice choose_view(Content& content, const BenchScene& scene) {
+    ViewChoice view;
+    if (const std::vector<NodeId> cameras = camera_nodes(content.scene); !cameras.empty()) {
+        view.camera = cameras.front();
+        return view;
+    }
+    const double last_s = scene.frame_count / kBenchFps;
+    view.bounds = bounds_over(content, std::array{0.0, 0.5 * last_s, last_s});
+    return view;
+}
+
 FrameRun::FrameRun(Content& content, const ViewChoice& view, PictureSize size)
     : content_(content), view_(view), size_(size) {}
 

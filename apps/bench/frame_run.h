@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "apps/bench/bench_scenes.h"
 #include "apps/bench/judge.h"
 #include "apps/bench/peer_embree.h"
 #include "apps/common/choose_view.h"
@@ -16,6 +17,9 @@ namespace zoe {
 
 /// Frames a second of every benchmark scene.
 inline constexpr double kBenchFps = 24.0;
+
+/// The first camera, or what holds the scene whole at the ends and in the middle of its frames.
+ViewChoice choose_view(Content& content, const BenchScene& scene);
 
 /// Makes and traces single frames of a scene. Keeps its memory from frame to frame.
 class FrameRun {
@@ -36,6 +40,8 @@ public:
     void try_peers(int frame, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials);
 
     const Tlas& tlas() const { return *tlas_; }
+    /// Of the last frame.
+    std::span<const Ray> rays(RayKind kind) const { return batches_[static_cast<size_t>(kind)].rays; }
     /// Of the last frame.
     const std::vector<Disagreement>& disagreements() const { return disagreements_; }
 

@@ -13,6 +13,8 @@
 #include "apps/bench/peer_embree.h"
 #include "apps/bench/play.h"
 #include "apps/bench/report.h"
+#include "apps/bench/trees.h"
+#include "apps/bench/trees_report.h"
 #include "apps/common/interrupt.h"
 #include "apps/common/open_scene.h"
 #include "apps/common/progress.h"
@@ -74,7 +76,11 @@ std::vector<BenchScene> choose_scenes(const Options& options, const std::vector<
         }
         return scenes;
     }
-    if (options.scenes.empty()) scenes.assign(bench_scenes().begin(), bench_scenes().end());
+    if (options.scenes.empty() && options.compares_trees) {
+        scenes = {find_bench_scene("static"), find_bench_scene("deforming")};
+    } else if (options.scenes.empty()) {
+        scenes.assign(bench_scenes().begin(), bench_scenes().end());
+    }
     for (const std::string& name : options.scenes) scenes.push_back(find_bench_scene(name));
     for (BenchScene& scene : scenes) {
         if (options.frames) scene.frame_count = *options.frames;
@@ -95,6 +101,22 @@ std::string disagreements_text(const Played& played) {
     return text;
 }
 
+using Machine = std::vector<std::pair<std::string, std::string>>;
+
+void run_trees(const Options& options, const std::vector<BenchScene>& scenes, const PlayConfig& config,
+               const Machine& machine) {
+    std::vector<TreeComparison> comparisons;
+    for (const BenchScene& scene : scenes) {
+        Progress progress(scene.name, 1.0);
+        comparisons.push_back(
+            compare_trees(scene, config, [&](double share, const std::string& detail) { progress.update(share, detail); }));
+        fmt::print("{}", trees_table(comparisons.back()));
+        std::fflush(stdout);
+        if (options.json) write_file(*options.json, trees_json(comparisons, machine));
+    }
+    fmt::print("{}", trees_summary(comparisons));
+}
+
 /// Returns the exit code.
 int run(const Options& options) {
     set_thread_count(options.threads);
@@ -112,9 +134,14 @@ int run(const Options& options) {
                             .has_peer = options.has_peer,
                             .is_peer_robust = options.is_peer_robust,
                             .is_peer_high = options.is_peer_high};
-    auto machine = describe_machine();
+    Machine machine = describe_machine();
     if (options.has_peer) machine.emplace_back("peer", EmbreePeer::version());
-    fmt::print("{}\n{}", machine_text(machine), stages_heading(options.has_peer));
+    fmt::print("{}", machine_text(machine));
+    if (options.compares_trees) {
+        run_trees(options, scenes, config, machine);
+        return 0;
+    }
+    fmt::print("\n{}", stages_heading(options.has_peer));
     std::vector<RunStats> runs;
     std::vector<SceneHashes> hashes;
     std::string disagreements, differences;

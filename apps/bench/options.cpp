@@ -25,6 +25,7 @@ std::string footer() {
         "  zoetrope-bench --list                            the scenes, explained\n"
         "  zoetrope-bench --peer embree                     all of them, beside Embree: under ten minutes on two cores\n"
         "  zoetrope-bench mixed --peer embree --peer-robust against Embree's watertight mode\n"
+        "  zoetrope-bench --trees static --peer embree      each builder's trees, beside Embree's\n"
         "  zoetrope-bench fox.glb rigid-5000 --json x.json  a file, and a scene of the list at another size\n"
         "  zoetrope-bench instances-300 --frames 3 --size 64x64 --write-hashes h.txt\n"
         "  zoetrope-bench --expect-hashes h.txt             the same frames: are the hits still the same?\n\n"
@@ -40,6 +41,9 @@ void add_options(CLI::App& app, Options& options, Texts& texts) {
 
     const char* const what = "What is played";
     app.add_flag("--list", options.is_list, "Explain the scenes")->group(what);
+    app.add_flag("--trees", options.compares_trees,
+                 "Compare builders: all triangles of a scene's first frame as one mesh (static and deforming, unless told)")
+        ->group(what);
     app.add_option("--frames", options.frames, "Frames measured, after one that warms up")->type_name("N")->group(what);
     app.add_option("--size", texts.size, "Primary rays")->type_name("WxH")->group(what);
     app.add_option("--repeats", options.repeats, "Times that each scene is played")
@@ -113,6 +117,8 @@ std::optional<Options> parse_options(int argc, char** argv) {
     for (const char* const name : {"SCENE", "--frames", "--size", "--write-hashes"})
         require(!app.count(name) || !options.expected_hashes,
                 fmt::format("{} does not go with --expect-hashes: its file says what is played", name));
+    for (const char* const name : {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes"})
+        require(!app.count(name) || !options.compares_trees, fmt::format("{} does not go with --trees", name));
     check_files(app, options);
     return options;
 }

@@ -12,6 +12,7 @@ namespace zoe {
 struct Options {
     std::vector<std::string> scenes;  ///< Empty: all of the benchmark's own.
     bool is_list = false;
+    bool compares_trees = false;      ///< Builders instead of frames.
     std::optional<int> frames;        ///< Measured ones; each scene has its own number otherwise.
     std::optional<PictureSize> size;  ///< Likewise.
     int repeats = 2;

@@ -43,9 +43,9 @@ struct EmbreePeer::State {
     EmbreeTracer tracer;
 
     EmbreeRays rays(RayKind kind) const { return config.rays[static_cast<size_t>(kind)]; }
-    const EmbreeLayout& updated_layout() const {
+    EmbreeTarget target() const {
         if (!layout) throw std::logic_error("EmbreePeer: update comes before rays");
-        return *layout;
+        return layout->target();
     }
 };
 
@@ -70,11 +70,11 @@ EmbreePeer::UpdateTimes EmbreePeer::update(const Scene& scene, const Tlas& tlas)
 }
 
 double EmbreePeer::closest_hits(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits) {
-    return state_->tracer.closest_hits(state_->updated_layout(), rays, state_->rays(kind), hits);
+    return state_->tracer.closest_hits(state_->target(), rays, state_->rays(kind), hits);
 }
 
 double EmbreePeer::any_hits(std::span<const Ray> rays, RayKind kind, std::span<uint8_t> is_hit) {
-    return state_->tracer.any_hits(state_->updated_layout(), rays, state_->rays(kind), is_hit);
+    return state_->tracer.any_hits(state_->target(), rays, state_->rays(kind), is_hit);
 }
 
 void EmbreePeer::set_rays(RayKind kind, EmbreeRays rays) {

@@ -1,6 +1,7 @@
 // What takes Embree's place in a program that is built without it.
 
 #include "apps/bench/peer_embree.h"
+#include "apps/bench/peer_tree.h"
 #include "apps/common/usage_error.h"
 
 namespace zoe {
@@ -41,6 +42,32 @@ double EmbreePeer::any_hits(std::span<const Ray>, RayKind, std::span<uint8_t>) {
 }
 
 void EmbreePeer::set_rays(RayKind, EmbreeRays) {
+    refuse();
+}
+
+struct PeerTree::State {};
+
+PeerTree::PeerTree(Quality, bool, std::span<const glm::vec3>, std::span<const glm::uvec3>, int) {
+    refuse();
+}
+
+PeerTree::~PeerTree() = default;
+PeerTree::PeerTree(PeerTree&&) noexcept = default;
+PeerTree& PeerTree::operator=(PeerTree&&) noexcept = default;
+
+double PeerTree::build_ms() const {
+    refuse();
+}
+
+uint64_t PeerTree::byte_count() const {
+    refuse();
+}
+
+double PeerTree::closest_hits(std::span<const Ray>, EmbreeRays, std::span<Hit>) {
+    refuse();
+}
+
+double PeerTree::any_hits(std::span<const Ray>, EmbreeRays, std::span<uint8_t>) {
     refuse();
 }
 

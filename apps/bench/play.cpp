@@ -89,7 +89,7 @@ public:
           config_(config),
           report_(report),
           content_(open_scene(scene.scene, kBenchFps)),
-          frame_run_(content_, choose_view(), scene.size) {}
+          frame_run_(content_, choose_view(content_, scene), scene.size) {}
 
     Played play() {
         step_count_ = config_.repeats * (scene_.frame_count + 1);
@@ -99,18 +99,6 @@ public:
     }
 
 private:
-    /// The first camera, or what holds the scene whole at the ends and in the middle.
-    ViewChoice choose_view() {
-        ViewChoice view;
-        if (const std::vector<NodeId> cameras = camera_nodes(content_.scene); !cameras.empty()) {
-            view.camera = cameras.front();
-            return view;
-        }
-        const double last_s = scene_.frame_count / kBenchFps;
-        view.bounds = bounds_over(content_, std::array{0.0, 0.5 * last_s, last_s});
-        return view;
-    }
-
     void report_within_step(const std::string& detail) const {
         if (is_interrupted()) throw Interrupted("interrupted");
         report_(static_cast<double>(steps_done_) / step_count_, detail);

@@ -58,6 +58,7 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     expect_refused(folder, {"--size", "0x10"}, 2, "--size");
     expect_refused(folder, {"--peer", "other"}, 2, "embree");
     expect_refused(folder, {"--peer-robust"}, 2, "--peer embree");
+    expect_refused(folder, {"--trees", "--csv", "x.csv"}, 2, "--csv does not go with --trees");
     expect_refused(folder, {"--peer", "embree", "--peer-quality", "best"}, 2, "medium or high");
     expect_refused(folder, {"--no-such-option"}, 2, "--no-such-option");
     expect_refused(folder, {"rigid", "--expect-hashes", "h.txt"}, 2, "--expect-hashes");
@@ -194,6 +195,34 @@ TEST(Bench, ThePeerRunsTheSameFrames) {
     EXPECT_EQ(verdicts["neither_right"], 0) << verdicts;
     EXPECT_LT(disagreements, 20u) << verdicts;
     EXPECT_TRUE(read(folder / "d.txt").starts_with("# mixed-1\n"));
+}
+
+TEST(Bench, TreesAreComparedAndAgree) {
+    const TempFolder folder;
+    std::vector<std::string> arguments = {"--trees", "arbitrary-500", "instances-20", "--size", "32x32", "--json", "x.json"};
+    if (is_embree_available()) arguments.insert(arguments.end(), {"--peer", "embree", "--peer-robust"});
+    const Outcome outcome = run_bench(folder, arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json trees = Json::parse(read(folder / "x.json"))["trees"];
+    ASSERT_EQ(trees.size(), 2u);
+    for (const Json& scene : trees) {
+        EXPECT_GT(scene["triangles"], 499);
+        EXPECT_EQ(scene["rays"]["primary"], 32 * 32);
+        size_t peer_count = 0;
+        for (const Json& row : scene["rows"]) {
+            SCOPED_TRACE(row.dump());
+            for (const char* const field :
+                 {"build_ms", "bytes", "primary_ms", "primary_single_ms", "diffuse_ms", "shadow_ms"})
+                EXPECT_GT(row[field], 0.0) << field;
+            EXPECT_LT(row["disagreements"], 5);
+            peer_count += row["is_peer"].get<bool>();
+            if (row["is_peer"]) continue;
+            EXPECT_GE(row["nodes_per_ray"], 1.0);
+            EXPECT_GT(row["sah"], 0.0);
+            EXPECT_EQ(row["disagreements"], 0);
+        }
+        EXPECT_EQ(peer_count, is_embree_available() ? 3u : 0u);
+    }
 }
 
 TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "apps/bench/bench_scenes.h"
+#include "apps/bench/play.h"
+#include "apps/bench/ray_kind.h"
+
+namespace zoe {
+
+/// What a tree over a mesh costs, and what rays through it cost.
+struct TreeRow {
+    std::string name;  ///< "binned", "Embree MEDIUM".
+    bool is_peer = false;
+    double build_ms = 0.0;
+    uint64_t byte_count = 0;  ///< Of the form that is traversed.
+    double sah = 0.0;         ///< Of that form: 1 a node, 1 a block of triangles. 0 for a peer's, which is not known.
+    double nodes = 0.0, triangles = 0.0;           ///< That a primary or diffuse ray tests. 0 for a peer's.
+    std::array<double, kRayKindCount> trace_ms{};  ///< By kind, in the way of handing rays over that takes least.
+    double primary_single_ms = 0.0;                ///< Primary rays, a call each.
+    uint64_t disagreements = 0;                    ///< Rays whose hit is not that of the first tree. 0 for all of ours.
+};
+
+struct TreeComparison {
+    std::string scene;
+    uint64_t triangle_count = 0;
+    std::array<uint64_t, kRayKindCount> ray_count{};
+    std::vector<TreeRow> rows;
+
+    double mrays_per_s(const TreeRow& row, RayKind kind) const;
+    /// ms for building the tree and tracing a million primary and a million diffuse rays: what a mesh costs that is rebuilt
+    /// every frame.
+    double frame_ms(const TreeRow& row) const;
+};
+
+/// Builds a tree by each method over all triangles of a scene's first frame, as one mesh in the world, and traces the
+/// frame's rays through all of them in turn. Least times over the repeats; what takes long is built once.
+/// Throws     SceneError; std::runtime_error where trees give different hits; Interrupted.
+TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, const Report& report);
+
+}  // namespace zoe
