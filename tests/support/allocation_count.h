@@ -2,9 +2,16 @@
 
 #include <cstddef>
 
+// A program that calls one of these has the global operator new and delete replaced.
+
 namespace zoe::test {
 
-/// Calls of operator new in this program so far, on all threads. A program that calls this has the global ones replaced.
+/// Calls of operator new so far, on all threads.
 size_t allocation_count();
+
+/// What operator new has given out and not got back, in bytes, and the most that this was since `reset_peak_bytes`.
+size_t live_bytes();
+size_t peak_bytes();
+void reset_peak_bytes();
 
 }  // namespace zoe::test
