@@ -1,5 +1,6 @@
 #include "engine/bvh/traverse.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <new>

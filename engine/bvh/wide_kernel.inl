@@ -7,8 +7,8 @@
 // - The test of a node's boxes only decides what is not looked at. It is conservative: it passes every box whose `entry`
 //   is at most the closest t so far, being padded more than `entry` is. So nothing is culled that could be, or tie with,
 //   the closest hit.
-// - The triangle kernel does the operations of `intersect`, lane by lane, without fused ones; where a lane lies on an edge
-//   it calls `intersect` itself.
+// - The triangle kernel does the operations of `intersect`, lane by lane, without fused ones: those in float for a whole
+//   block, which leaves few triangles; for these it calls the same function as `intersect` does.
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
@@ -44,6 +44,14 @@ HWY_INLINE V smaller(V a, V b) {
 #else
     return hn::IfThenElse(hn::Lt(a, b), a, b);
 #endif
+}
+
+// A bit for each of at most eight lanes.
+template <class D>
+HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
+    uint8_t bits[8];
+    hn::StoreMaskBits(d, mask, bits);
+    return bits[0] & ((1u << hn::MaxLanes(d)) - 1);
 }
 
 // What the kernels read of a ray in one space.
@@ -237,13 +245,14 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
                            Found&& found) {
     const BlockTag d;
     using V = hn::Vec<BlockTag>;
+    constexpr size_t kSize = TriangleBlock::kSize;
     const float* corners = block.corners[0];
     const V shear_x = hn::Set(d, ray.shear[0]), shear_y = hn::Set(d, ray.shear[1]);
     const V origin_x = hn::Set(d, ray.sheared_origin[0]), origin_y = hn::Set(d, ray.sheared_origin[1]),
             origin_z = hn::Set(d, ray.sheared_origin[2]);
     V x[3], y[3], z[3];
     for (int k = 0; k < 3; ++k) {
-        const float* corner = corners + 3 * TriangleBlock::kSize * k;
+        const float* corner = corners + 3 * kSize * k;
         z[k] = hn::Sub(hn::Load(d, corner + ray.sheared_row[2]), origin_z);
         x[k] = hn::Sub(hn::Sub(hn::Load(d, corner + ray.sheared_row[0]), origin_x), hn::Mul(shear_x, z[k]));
         y[k] = hn::Sub(hn::Sub(hn::Load(d, corner + ray.sheared_row[1]), origin_y), hn::Mul(shear_y, z[k]));
@@ -252,35 +261,31 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     const V v = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
     const V w = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
     const V zero = hn::Zero(d);
-    const auto is_below = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-    const auto is_above = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-    const V determinant = hn::Add(hn::Add(u, v), w);
-    const auto is_missed = hn::And(is_below, is_above);
-    const auto is_edge = hn::AndNot(is_missed, hn::Or(hn::Or(hn::Eq(u, zero), hn::Eq(v, zero)), hn::Eq(w, zero)));
-    auto is_hit = hn::AndNot(hn::Or(is_missed, is_edge), hn::Gt(hn::Abs(determinant), zero));
-    if (HWY_LIKELY(hn::AllFalse(d, hn::Or(is_hit, is_edge)))) return;
+    const auto is_candidate = hn::Or(hn::Ge(smaller(u, smaller(v, w)), zero), hn::Le(larger(u, larger(v, w)), zero));
+    if (HWY_LIKELY(hn::AllFalse(d, is_candidate))) return;
 
-    uint8_t edge_bits[8];
-    hn::StoreMaskBits(d, is_edge, edge_bits);
-    for (uint32_t edges = edge_bits[0] & 15u; edges != 0; edges &= edges - 1) {
-        const int slot = std::countr_zero(edges);
-        TriangleHit hit;
-        if (intersect(ray.frame, block.triangle(slot), t_floor, t_min, t_max, &hit)) {
-            found(hit.t, hit.u, hit.v, block.primitive[slot]);
-        }
+    HWY_ALIGN float xs[3][kSize], ys[3][kSize], zs[3][kSize];
+    for (int k = 0; k < 3; ++k) {
+        hn::Store(x[k], d, xs[k]);
+        hn::Store(y[k], d, ys[k]);
+        hn::Store(z[k], d, zs[k]);
     }
-
-    const V shear_z = hn::Set(d, ray.shear[2]);
-    const V weight_a = hn::Div(u, determinant), weight_b = hn::Div(v, determinant), weight_c = hn::Div(w, determinant);
-    V t = hn::Add(hn::Add(hn::Mul(weight_a, hn::Mul(shear_z, z[0])), hn::Mul(weight_b, hn::Mul(shear_z, z[1]))),
-                  hn::Mul(weight_c, hn::Mul(shear_z, z[2])));
-    is_hit = hn::And(is_hit, hn::Ge(t, zero));
+    TriangleHit hits[kSize];
+    uint32_t left = 0;
+    for (uint32_t candidates = bits_of(d, is_candidate); candidates != 0; candidates &= candidates - 1) {
+        const int slot = std::countr_zero(candidates);
+        const ShearedCorners sheared = {{xs[0][slot], xs[1][slot], xs[2][slot]},
+                                        {ys[0][slot], ys[1][slot], ys[2][slot]},
+                                        {zs[0][slot], zs[1][slot], zs[2][slot]}};
+        // What is below can only move t farther.
+        if (intersect_plane(sheared, ray.shear[2], &hits[slot]) && hits[slot].t <= t_max) left |= 1u << slot;
+    }
+    if (left == 0) return;
     // `entry` into each triangle's own box.
     V in = zero, out = hn::Set(d, std::numeric_limits<float>::infinity());
     for (int axis = 0; axis < 3; ++axis) {
-        const float* row = corners + TriangleBlock::kSize * axis;
-        const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * TriangleBlock::kSize),
-                c = hn::Load(d, row + 6 * TriangleBlock::kSize);
+        const float* row = corners + kSize * axis;
+        const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * kSize), c = hn::Load(d, row + 6 * kSize);
         const V lo = smaller(c, smaller(b, a)), hi = larger(c, larger(b, a));
         const bool is_negative = ray.frame.is_negative[axis];
         const V origin = hn::Set(d, ray.frame.origin[axis]), inverse = hn::Set(d, ray.frame.inverse_direction[axis]);
@@ -289,20 +294,16 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     }
     in = hn::Mul(in, hn::Set(d, 1.0f - kBoxPad));
     out = hn::Mul(out, hn::Set(d, 1.0f + kBoxPad));
-    t = larger(in, larger(hn::Set(d, t_floor), t));
-    is_hit = hn::And(is_hit, hn::And(hn::Le(in, out), hn::Le(in, hn::Set(d, t_max))));
-    is_hit = hn::And(is_hit, hn::And(hn::Ge(t, hn::Set(d, t_min)), hn::Le(t, hn::Set(d, t_max))));
-    is_hit = hn::And(is_hit, hn::Lt(t, hn::Set(d, std::numeric_limits<float>::infinity())));
-    if (hn::AllFalse(d, is_hit)) return;
-    uint8_t hit_bits[8];
-    hn::StoreMaskBits(d, is_hit, hit_bits);
-    HWY_ALIGN float ts[4], us[4], vs[4];
-    hn::Store(t, d, ts);
-    hn::Store(weight_b, d, us);
-    hn::Store(weight_c, d, vs);
-    for (uint32_t hits = hit_bits[0] & 15u; hits != 0; hits &= hits - 1) {
-        const int slot = std::countr_zero(hits);
-        found(ts[slot], us[slot], vs[slot], block.primitive[slot]);
+    left &= bits_of(d, hn::Le(in, out));
+    HWY_ALIGN float entries[kSize];
+    hn::Store(in, d, entries);
+    for (; left != 0; left &= left - 1) {
+        const int slot = std::countr_zero(left);
+        const TriangleHit& hit = hits[slot];
+        const float t = std::max(std::max(hit.t, t_floor), entries[slot]);
+        if (t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity()) {
+            found(t, hit.u, hit.v, block.primitive[slot]);
+        }
     }
 }
 

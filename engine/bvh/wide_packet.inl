@@ -3,7 +3,7 @@
 //
 // A node's boxes are tested by interval arithmetic over the packet's origins and reciprocal directions. Rounding is
 // monotone, so the interval's ends bound what the test of a single ray computes, and nothing is culled that it would not
-// cull. The triangle test does the operations of `intersect` for each ray, as the one for single rays does.
+// cull. The triangle test does the operations of `intersect` for each ray, those in double included.
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
@@ -139,6 +139,35 @@ HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
     return true;
 }
 
+// What `intersect_plane` works out, by the same operations: t is below 0 where it returns false.
+using HalfTag = hn::Half<RayTag>;
+struct Placed {
+    hn::Vec<HalfTag> t, u, v;
+};
+template <bool kIsUpper>
+HWY_INLINE Placed intersect_planes(const hn::Vec<RayTag>* x, const hn::Vec<RayTag>* y, const hn::Vec<RayTag>* z,
+                                   hn::Vec<RayTag> shear_z) {
+    const HalfTag half;
+    const hn::Rebind<double, HalfTag> d;
+    const auto promote = [&](hn::Vec<RayTag> lanes) HWY_ATTR {
+        return hn::PromoteTo(d, kIsUpper ? hn::UpperHalf(half, lanes) : hn::LowerHalf(half, lanes));
+    };
+    const auto ax = promote(x[0]), bx = promote(x[1]), cx = promote(x[2]);
+    const auto ay = promote(y[0]), by = promote(y[1]), cy = promote(y[2]);
+    const auto u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const auto v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const auto w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const auto zero = hn::Zero(d);
+    const auto is_inside = hn::Or(hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::Ge(w, zero)),
+                                  hn::And(hn::And(hn::Le(u, zero), hn::Le(v, zero)), hn::Le(w, zero)));
+    const auto inverse = hn::Div(hn::Set(d, 1.0), hn::Add(hn::Add(u, v), w));
+    const auto along = hn::Add(hn::Add(hn::Mul(u, promote(z[0])), hn::Mul(v, promote(z[1]))), hn::Mul(w, promote(z[2])));
+    const auto t = hn::Mul(hn::Mul(along, inverse), promote(shear_z));
+    const auto is_placed = hn::And(is_inside, hn::Le(t, hn::Set(d, double(std::numeric_limits<float>::max()))));
+    return {hn::DemoteTo(half, hn::IfThenElse(is_placed, t, hn::Set(d, -1.0))), hn::DemoteTo(half, hn::Mul(v, inverse)),
+            hn::DemoteTo(half, hn::Mul(w, inverse))};
+}
+
 // Tests a triangle against lanes [lane, lane + kRayLanes). Returns whether one of them found a hit that it keeps.
 template <bool kIsAny>
 HWY_INLINE bool test_triangle(const TriangleBlock& block, int slot, uint32_t id, size_t lane, Packet* packet) {
@@ -160,20 +189,22 @@ HWY_INLINE bool test_triangle(const TriangleBlock& block, int slot, uint32_t id,
     const V v = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
     const V w = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
     const V zero = hn::Zero(d);
-    const auto is_below = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-    const auto is_above = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-    const V determinant = hn::Add(hn::Add(u, v), w);
-    const auto is_missed = hn::And(is_below, is_above);
-    const auto is_edge = hn::AndNot(is_missed, hn::Or(hn::Or(hn::Eq(u, zero), hn::Eq(v, zero)), hn::Eq(w, zero)));
-    auto is_hit = hn::AndNot(hn::Or(is_missed, is_edge), hn::Gt(hn::Abs(determinant), zero));
-    if (HWY_LIKELY(hn::AllFalse(d, hn::Or(is_hit, is_edge)))) return false;
+    const auto is_candidate = hn::Or(hn::Ge(smaller(u, smaller(v, w)), zero), hn::Le(larger(u, larger(v, w)), zero));
+    if (HWY_LIKELY(hn::AllFalse(d, is_candidate))) return false;
 
-    const V weight_a = hn::Div(u, determinant);
-    V weight_b = hn::Div(v, determinant), weight_c = hn::Div(w, determinant);
     const V shear_z = hn::Load(d, p.shear[2] + lane);
-    V t = hn::Add(hn::Add(hn::Mul(weight_a, hn::Mul(shear_z, z[0])), hn::Mul(weight_b, hn::Mul(shear_z, z[1]))),
-                  hn::Mul(weight_c, hn::Mul(shear_z, z[2])));
-    is_hit = hn::And(is_hit, hn::Ge(t, zero));
+    // Small triangles are often in front of one half of the rays only.
+    const auto is_candidate_bits = hn::VecFromMask(d, is_candidate);
+    const HalfTag half;
+    const Placed nothing = {hn::Set(half, -1.0f), hn::Zero(half), hn::Zero(half)};
+    Placed low = nothing, high = nothing;
+    if (!hn::AllFalse(half, hn::MaskFromVec(hn::LowerHalf(half, is_candidate_bits))))
+        low = intersect_planes<false>(x, y, z, shear_z);
+    if (!hn::AllFalse(half, hn::MaskFromVec(hn::UpperHalf(half, is_candidate_bits))))
+        high = intersect_planes<true>(x, y, z, shear_z);
+    V t = hn::Combine(d, high.t, low.t);
+    const V weight_b = hn::Combine(d, high.u, low.u), weight_c = hn::Combine(d, high.v, low.v);
+    auto is_hit = hn::And(is_candidate, hn::Ge(t, zero));
     // `entry` into the triangle's own box.
     const V infinity = hn::Set(d, std::numeric_limits<float>::infinity());
     const V t_max = hn::Load(d, p.t + lane), t_min = hn::Load(d, p.t_min + lane);
@@ -193,27 +224,6 @@ HWY_INLINE bool test_triangle(const TriangleBlock& block, int slot, uint32_t id,
     is_hit = hn::And(is_hit, hn::And(hn::Ge(t, t_min), hn::Le(t, t_max)));
     is_hit = hn::And(is_hit, hn::Lt(t, infinity));
 
-    if (!hn::AllFalse(d, is_edge)) {
-        HWY_ALIGN float ts[kRayLanes], us[kRayLanes], vs[kRayLanes];
-        HWY_ALIGN uint32_t found[kRayLanes];
-        hn::Store(t, d, ts);
-        hn::Store(weight_b, d, us);
-        hn::Store(weight_c, d, vs);
-        hn::Store(hn::BitCast(bits, hn::VecFromMask(d, is_hit)), bits, found);
-        uint8_t edge_bits[8];
-        hn::StoreMaskBits(d, is_edge, edge_bits);
-        for (size_t k = 0; k < kRayLanes; ++k) {
-            if ((edge_bits[k / 8] >> k % 8 & 1) == 0) continue;
-            TriangleHit hit;
-            if (!intersect(RayFrame(p.rays[lane + k]), block.triangle(slot), 0.0f, p.t_min[lane + k], p.t[lane + k], &hit))
-                continue;
-            ts[k] = hit.t, us[k] = hit.u, vs[k] = hit.v, found[k] = ~0u;
-        }
-        t = hn::Load(d, ts);
-        weight_b = hn::Load(d, us);
-        weight_c = hn::Load(d, vs);
-        is_hit = hn::MaskFromVec(hn::BitCast(d, hn::Load(bits, found)));
-    }
     const uint32_t primitive = block.primitive[slot];
     const auto ids = hn::Load(bits, p.id + lane), primitives = hn::Load(bits, p.primitive + lane);
     const auto new_id = hn::Set(bits, id), new_primitive = hn::Set(bits, primitive);

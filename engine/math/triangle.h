@@ -79,12 +79,37 @@ struct TriangleHit {
 };
 
 /// Watertight ray-triangle test, both sides. Edges and vertices that triangles share are hit by at least one of them.
+/// The corners are sheared in float; all that follows is double: t, u and v are right to an ulp of the sheared triangle, so
+/// the point is on the triangle and off the ray by the rounding of its corners only, however thin the ray sees it.
 /// t_floor    `t` is never below this nor below the entry into the triangle's own box (see `entry`).
 /// Returns    false on a miss, for non-finite triangles, and for t outside [t_min, t_max]. A triangle whose corners are on
 ///            one line is hit where rounding gives it a width: it may be what seals the seam between two others.
-/// Source     Woop, Benthin, Wald. Watertight Ray/Triangle Intersection. JCGT 2013. Deviation: a hit must also enter the
-///            triangle's box, and t is clamped to it, so that the same triangles are hit whatever the tree.
+/// Source     Woop, Benthin, Wald. Watertight Ray/Triangle Intersection. JCGT 2013. Deviation: t and weights in double; a
+///            hit must also enter the triangle's box, and t is clamped to it, so that the same triangles are hit whatever
+///            the tree.
 bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, float t_min, float t_max, TriangleHit* hit);
+
+/// The corners of a triangle in a ray's sheared space, where the ray starts at 0 and runs along +z.
+struct ShearedCorners {
+    float x[3], y[3], z[3];
+};
+
+/// The part of `intersect` that is in double, where the products of floats are exact: signs, weights and t.
+/// Returns    false where the ray passes by, the triangle has no area, or t is negative or not finite.
+inline bool intersect_plane(const ShearedCorners& corners, float shear_z, TriangleHit* hit) {
+    const double ax = corners.x[0], bx = corners.x[1], cx = corners.x[2];
+    const double ay = corners.y[0], by = corners.y[1], cy = corners.y[2];
+    // Twice the signed areas opposite to a, b, c. An edge is computed the same way from both of its triangles.
+    const double u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    // Without branches, as SIMD does it; false for NaN.
+    const bool is_inside = ((u >= 0.0) & (v >= 0.0) & (w >= 0.0)) | ((u <= 0.0) & (v <= 0.0) & (w <= 0.0));
+    const double determinant = u + v + w, inverse = 1.0 / determinant;
+    const double t = (u * corners.z[0] + v * corners.z[1] + w * corners.z[2]) * inverse * shear_z;
+    // No area makes an infinite inverse: t is NaN.
+    if (!(is_inside & (t >= 0.0) & (t <= std::numeric_limits<float>::max()))) return false;
+    *hit = {static_cast<float>(t), static_cast<float>(v * inverse), static_cast<float>(w * inverse)};
+    return true;
+}
 
 /// Relative widening of a slab interval at each end: covers the rounding of both tests (6 ulp).
 inline constexpr float kBoxPad = 6.0f * 1.1920929e-7f;
