@@ -1,5 +1,6 @@
 #include "engine/bvh/blas.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cmath>
@@ -13,7 +14,11 @@ namespace zoe {
 
 namespace {
 
-constexpr size_t kGrain = 4096, kBlockGrain = 1024, kNodeGrain = 256;
+// Rebuilt often: half the nodes of a tree that counts triangles one by one, a seventh less memory, and within 2 % of its
+// wide tree's SAH. A binary node is about half of a block's work once eight of them are joined.
+constexpr BinnedConfig kBinned{.block_size = TriangleBlock::kSize, .node_cost = 0.5f};
+
+constexpr size_t kGrain = 4096, kBlockGrain = 1024, kNodeGrain = 256, kPrefetchAhead = 4;
 
 bool is_finite(const Triangle& t) {
     return zoe::is_finite(t.a) && zoe::is_finite(t.b) && zoe::is_finite(t.c);
@@ -35,32 +40,49 @@ void fit_boxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3>
     });
 }
 
-void set_corner(TriangleBlock* block, uint32_t slot, int corner, const glm::vec3& p) {
-    for (int axis = 0; axis < 3; ++axis) block->corners[3 * corner + axis][slot] = p[axis];
+// Four triangles side by side, row by row. Returns how many of them are not finite: they go in as NaN.
+uint32_t place_block(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, TriangleBlock* block) {
+    static const glm::vec3 nowhere(NAN);
+    constexpr uint32_t kSize = TriangleBlock::kSize;
+    float probes[kSize] = {};  // 0, or NaN where any coordinate is not finite.
+    for (uint32_t slot = 0; slot < kSize; ++slot) {
+        const uint32_t primitive = block->primitive[slot];
+        const bool is_empty = primitive == kEmptyChild;
+        const glm::uvec3 corner = is_empty ? glm::uvec3(0) : corners[primitive];
+        const auto put = [&](int row, const glm::vec3& p) {
+            block->corners[row][slot] = p.x;
+            block->corners[row + 1][slot] = p.y;
+            block->corners[row + 2][slot] = p.z;
+            probes[slot] += 0.0f * p.x + 0.0f * p.y + 0.0f * p.z;
+        };
+        put(0, is_empty ? nowhere : positions[corner.x]);
+        put(3, is_empty ? nowhere : positions[corner.y]);
+        put(6, is_empty ? nowhere : positions[corner.z]);
+    }
+    uint32_t not_finite_count = 0;
+    for (uint32_t slot = 0; slot < kSize; ++slot) {
+        if (probes[slot] == 0.0f || block->primitive[slot] == kEmptyChild) continue;
+        for (auto& row : block->corners) row[slot] = NAN;
+        ++not_finite_count;
+    }
+    return not_finite_count;
 }
 
-// Puts this frame's triangles into the blocks; those that are not finite go in as NaN.
+// Puts this frame's triangles into the blocks.
 void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
     std::atomic<uint32_t> not_finite_count{0};
     parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
         uint32_t not_finite_here = 0;
         for (size_t k = begin; k < end; ++k) {
-            TriangleBlock& block = blas->blocks[k];
-            for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
-                const uint32_t primitive = block.primitive[slot];
-                Triangle triangle{glm::vec3(NAN), glm::vec3(NAN), glm::vec3(NAN), primitive};
-                if (primitive != kEmptyChild) {
-                    const Triangle placed = triangle_at(positions, corners[primitive], primitive);
-                    if (is_finite(placed)) {
-                        triangle = placed;
-                    } else {
-                        ++not_finite_here;
-                    }
-                }
-                set_corner(&block, slot, 0, triangle.a);
-                set_corner(&block, slot, 1, triangle.b);
-                set_corner(&block, slot, 2, triangle.c);
+            // Vertices lie anywhere in memory; asked for ahead, they are there in time.
+            const TriangleBlock& ahead = blas->blocks[std::min(k + kPrefetchAhead, end - 1)];
+            for (const uint32_t primitive : ahead.primitive) {
+                if (primitive == kEmptyChild) continue;
+                const glm::uvec3& corner = corners[primitive];
+                __builtin_prefetch(&positions[corner.x]);
+                __builtin_prefetch(&positions[corner.z]);
             }
+            not_finite_here += place_block(positions, corners, &blas->blocks[k]);
         }
         not_finite_count += not_finite_here;
     });
@@ -131,7 +153,7 @@ void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3
                 BlasScratch* scratch) {
     fit_boxes(positions, corners, &scratch->boxes);
     scratch->bvh = builder == BlasBuilder::kSweep ? build_sweep(scratch->boxes, {}, std::move(scratch->bvh))
-                                                  : build_binned(scratch->boxes, {}, std::move(scratch->bvh));
+                                                  : build_binned(scratch->boxes, kBinned, std::move(scratch->bvh));
     make_blas(scratch->bvh, positions, corners, blas, scratch);
 }
 

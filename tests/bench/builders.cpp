@@ -66,6 +66,7 @@ void make_traversed(benchmark::State& state, BlasBuilder builder, const std::str
     }
     count_per_second(state, "triangles", mesh.corners.size());
     state.counters["bytes_per_triangle"] = bytes_per_triangle(blas);
+    state.counters["sah"] = sah_cost(blas.tree, 1.0f);
     if (const std::string fault = validate(blas, mesh.positions, mesh.corners); !fault.empty()) fail(state, fault);
 }
 
@@ -123,6 +124,8 @@ void register_builders() {
             [=](benchmark::State& state, const std::string& name) { build(state, name, BlasBuilder::kBinned, mesh); });
         add("build_blas_binned/" + mesh,
             [=](benchmark::State& state, const std::string&) { make_traversed(state, BlasBuilder::kBinned, mesh); });
+        add("build_blas_sweep/" + mesh,
+            [=](benchmark::State& state, const std::string&) { make_traversed(state, BlasBuilder::kSweep, mesh); });
         add("refit_blas/" + mesh, [=](benchmark::State& state, const std::string&) { refit_moved(state, mesh); });
     }
     for (const int count : {1000, 10000}) {
