@@ -6,6 +6,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "engine/bvh/static_bvh.h"
 #include "engine/bvh/wide.h"
 #include "engine/math/triangle.h"
 
@@ -28,11 +29,17 @@ struct Blas {
     std::vector<TriangleBlock, HugeAllocator<TriangleBlock>> blocks;
     uint32_t triangle_count = 0;
     uint32_t not_finite_count = 0;  ///< Triangles with a NaN or infinite corner: in the tree, never hit.
+    bool has_pieces = false;        ///< Leaves may bound pieces of triangles that others hold, too: never to be refitted.
 
     size_t byte_count() const { return tree.nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(TriangleBlock); }
 };
 
-enum class BlasBuilder : uint8_t { kSweep, kBinned };
+enum class BlasBuilder : uint8_t {
+    kBinned,      ///< Each frame.
+    kSweep,       ///< Once, or to be refitted.
+    kReinserted,  ///< Sweep, then reinsertion: once, where time is not short.
+    kSbvh,        ///< Spatial splits, then reinsertion: once, and never to be refitted.
+};
 
 /// Memory that one build hands to the next: for meshes that are rebuilt every frame.
 struct BlasScratch {
@@ -52,14 +59,18 @@ void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3
 /// Makes a BLAS of a binary tree over the mesh's triangles from any builder.
 void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch);
+void make_blas(const StaticBvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
+               BlasScratch* scratch);
 
 /// Moves the triangles to new positions and refits the boxes, bottom up; the topology stays.
 /// positions, corners   as when built; only the positions' values may differ.
+/// Requires   a tree without pieces.
 /// Cost       O(triangles), in parallel, no allocation.
 /// Source     Wald, Boulos, Shirley. Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies. TOG 2007.
 void refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas);
 
-/// Checks the tree, that every triangle is in it with the right corners, and that leaves contain theirs.
+/// Checks the tree, that every triangle is in it with the right corners, once unless the tree has pieces, and that its
+/// leaves contain it: all of it where it stands once, else its corners, its centre and the centres of its edges.
 /// Returns    the first broken invariant in words, empty when all hold.
 std::string validate(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners);
 

@@ -1,15 +1,12 @@
 #include "engine/bvh/build_binned.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cassert>
-#include <cmath>
 #include <cstddef>
-#include <limits>
-#include <memory_resource>
-#include <numeric>
 #include <vector>
 
+#include "engine/bvh/binning.h"
 #include "engine/bvh/small_stack.h"
 #include "engine/math/parallel.h"
 
@@ -17,174 +14,280 @@ namespace zoe {
 
 namespace {
 
-constexpr int kMaxBins = 64;
-constexpr uint32_t kSubtreeSize = 4096;  // Subtrees of at most this many primitives are built by one thread each.
-constexpr uint32_t kUnused = 0xffffffffu;
+using binning::BinMap;
+using binning::Bins;
+using binning::Extents;
+using binning::Item;
 
-// A node in the making. Its descendants get nodes [room, room + 2 * count - 2): places depend on the split positions only,
-// so threads never meet and the tree never depends on them.
+constexpr uint32_t kSubtreeSize = 4096;  // Subtrees of at most this many primitives are built by one thread each.
+constexpr uint32_t kChunkSize = 4096;    // Larger nodes are worked on in chunks of this many, by all threads.
+
+// A node in the making, over items [begin, end).
 struct Range {
-    uint32_t node, begin, end, room;
+    uint32_t node, begin, end;
     uint32_t count() const { return end - begin; }
 };
 
-struct Bin {
-    Aabb bounds;
-    uint32_t count = 0;
+struct Subtree {
+    Range range;
+    uint32_t room, used;  // Its nodes but the root are [room, room + used): places depend on counts only, never on threads.
 };
 
-struct Split {
-    int axis = -1;
-    int bin = 0;  // First bin of the right side.
-    double cost = std::numeric_limits<double>::infinity();
-    uint32_t unevenness = 0;  // The larger side's count: among equal costs (no area at all) the most even split wins.
+// What a chunk of a large node works out on its own. Kept from frame to frame, by the thread that builds.
+struct Chunk {
+    Extents extents;
+    Bins bins;
+    uint32_t left_count;
+};
+
+struct Swap {
+    uint32_t a, b, count;
+};
+
+struct Memory {
+    std::vector<Item> items;
+    std::vector<BvhNode> top;
+    std::vector<Subtree> subtrees;
+    std::vector<Chunk> chunks;
+    std::vector<Swap> swaps;
 };
 
 class Builder {
 public:
-    Builder(std::span<const Aabb> boxes, const BinnedConfig& config, Bvh* bvh)
-        : boxes_(boxes), config_(config), bvh_(*bvh) {}
+    Builder(std::span<const Aabb> boxes, const BinnedConfig& config, Memory* memory, Bvh* bvh)
+        : boxes_(boxes),
+          config_(config),
+          block_shift_(std::countr_zero(static_cast<uint32_t>(config.block_size))),
+          memory_(*memory),
+          bvh_(*bvh) {}
 
     void build() {
-        const uint32_t n = static_cast<uint32_t>(boxes_.size());
-        bvh_.primitives.resize(n);
-        std::iota(bvh_.primitives.begin(), bvh_.primitives.end(), 0u);
-        bvh_.nodes.assign(2 * size_t(n) - 1, BvhNode{{}, 0, {}, kUnused});
-        // The top serially, down to subtrees that are built in parallel.
-        std::byte in_place[32 * 1024];  // Room for about 1,000 subtrees; more go to the heap.
-        std::pmr::monotonic_buffer_resource memory(in_place, sizeof in_place);
-        std::pmr::vector<Range> subtrees(&memory);
-        grow({0, 0, n, 1}, kSubtreeSize, &subtrees);
-        parallel_for(0, subtrees.size(), 1, [&](size_t begin, size_t) { grow(subtrees[begin], 0, nullptr); });
-        compact();
+        const auto count = static_cast<uint32_t>(boxes_.size());
+        memory_.items.resize(count);
+        parallel_for(0, count, kChunkSize, [&](size_t begin, size_t end) {
+            for (size_t k = begin; k < end; ++k) memory_.items[k] = Item(boxes_[k], static_cast<uint32_t>(k));
+        });
+        bvh_.primitives.resize(count);
+        grow_top();
+        uint32_t room = static_cast<uint32_t>(memory_.top.size());
+        for (Subtree& subtree : memory_.subtrees) {
+            subtree.room = room;
+            room += 2 * subtree.range.count() - 2;
+        }
+        bvh_.nodes.resize(room);
+        std::copy(memory_.top.begin(), memory_.top.end(), bvh_.nodes.begin());
+        parallel_for(0, memory_.subtrees.size(), 1, [&](size_t k, size_t) { grow(&memory_.subtrees[k]); });
+        close_gaps();
     }
 
 private:
-    glm::vec3 centre(uint32_t primitive) const {
-        const Aabb& box = boxes_[primitive];
-        return box.is_finite() ? box.centre() : glm::vec3(0.0f);
-    }
-
-    // Splits until ranges are leaves, or (where `small` is given) have at most `small_size` primitives.
-    void grow(Range root, uint32_t small_size, std::pmr::vector<Range>* small) {
+    // The large nodes, one after another, each by all threads.
+    void grow_top() {
+        memory_.top.assign(1, BvhNode{});
+        memory_.subtrees.clear();
         SmallStack<Range, 64> open;
-        open.push(root);
+        open.push({0, 0, static_cast<uint32_t>(boxes_.size())});
         while (!open.is_empty()) {
             const Range range = open.pop();
-            if (small && range.count() <= small_size) {
-                small->push_back(range);
+            if (range.count() <= kSubtreeSize) {
+                memory_.subtrees.push_back({range, 0, 0});
                 continue;
             }
-            Aabb bounds, centres;
-            for (uint32_t k = range.begin; k < range.end; ++k) {
-                const uint32_t primitive = bvh_.primitives[k];
-                if (boxes_[primitive].is_finite()) bounds.extend(boxes_[primitive]);
-                centres.extend(centre(primitive));
-            }
+            Extents extents;
+            const uint32_t middle = split_in_parallel(range, &extents);
+            const auto children = static_cast<uint32_t>(memory_.top.size());
+            memory_.top[range.node] = {vec3(extents.lo), children, vec3(extents.hi), 0};
+            memory_.top.resize(children + 2);
+            open.push({children + 1, middle, range.end});
+            open.push({children, range.begin, middle});
+        }
+    }
+
+    void grow(Subtree* subtree) {
+        Bins bins;
+        std::array<Item, kSubtreeSize> moved;
+        uint32_t next = subtree->room;
+        SmallStack<Range, 64> open;
+        open.push(subtree->range);
+        while (!open.is_empty()) {
+            const Range range = open.pop();
+            Extents extents;
+            const std::span<Item> items = of(range);
+            for (const Item& item : items) extents.extend(item);
             BvhNode& node = bvh_.nodes[range.node];
-            node = {bounds.lo, range.begin, bounds.hi, range.count()};
-            const uint32_t middle = split(range, bounds, centres);
-            if (middle == range.begin) continue;  // A leaf.
-            node.first = range.room;
+            node = {vec3(extents.lo), range.begin, vec3(extents.hi), range.count()};
+            const uint32_t middle = split(range, extents, &bins, moved.data());
+            if (middle == range.begin) {
+                for (uint32_t k = range.begin; k < range.end; ++k) bvh_.primitives[k] = memory_.items[k].index();
+                continue;
+            }
+            node.first = next;
             node.count = 0;
-            const uint32_t left_room = range.room + 2, right_room = left_room + 2 * (middle - range.begin) - 2;
-            open.push({range.room + 1, middle, range.end, right_room});
-            open.push({range.room, range.begin, middle, left_room});
+            open.push({next + 1, middle, range.end});
+            open.push({next, range.begin, middle});
+            next += 2;
         }
+        subtree->used = next - subtree->room;
     }
 
-    // Reorders the range. Returns the first primitive of the right side; range.begin for a leaf.
-    uint32_t split(const Range& range, const Aabb& bounds, const Aabb& centres) {
-        if (range.count() < 2) return range.begin;
-        const bool may_be_leaf = range.count() <= static_cast<uint32_t>(config_.max_leaf_size);
-        const Split best = best_split(range, centres);
-        const double area = bounds.half_area();
-        if (may_be_leaf && (best.axis < 0 || config_.node_cost * area + best.cost >= area * range.count()))
-            return range.begin;
-        // All centroids in one place: any halves are as good.
+    static glm::vec3 vec3(binning::Float4 v) { return {v[0], v[1], v[2]}; }
+    std::span<Item> of(const Range& range) { return std::span(memory_.items).subspan(range.begin, range.count()); }
+
+    // Few primitives need few bins.
+    int bin_count(uint32_t count) const {
+        return count >= 256 ? config_.bin_count : std::min(config_.bin_count, static_cast<int>(4 + count / 16));
+    }
+
+    bool is_better_as_leaf(uint32_t count, float area, float split_cost) const {
+        return count <= static_cast<uint32_t>(config_.max_leaf_size) &&
+               config_.node_cost * area + split_cost >= area * static_cast<float>(blocks(count));
+    }
+
+    uint32_t blocks(uint32_t count) const { return ((count - 1) >> block_shift_) + 1; }
+
+    bool is_one_block(uint32_t count) const {
+        return count <= static_cast<uint32_t>(std::min(config_.block_size, config_.max_leaf_size));
+    }
+
+    // Reorders the range. Returns the first item of the right side; range.begin for a leaf.
+    uint32_t split(const Range& range, const Extents& extents, Bins* bins, Item* moved) {
+        if (is_one_block(range.count())) return range.begin;
+        const binning::AreaScale scale(extents);
+        const BinMap map(extents, bin_count(range.count()));
+        binning::Split best;
+        if (map.is_usable()) {
+            bins->clear(map.bin_count);
+            bins->add(of(range), map);
+            best = binning::best_split(*bins, map.bin_count, range.count(), block_shift_, scale);
+        }
+        if (is_better_as_leaf(range.count(), scale.area(extents.lo, extents.hi), best.cost)) return range.begin;
+        // All centres in one place: any halves are as good.
         if (best.axis < 0) return range.begin + range.count() / 2;
-        const auto first = bvh_.primitives.begin();
-        const float lo = centres.lo[best.axis], scale = bin_scale(centres, best.axis);
-        const auto middle = std::partition(first + range.begin, first + range.end, [&](uint32_t primitive) {
-            return bin_of(centre(primitive)[best.axis], lo, scale) < best.bin;
+        return range.begin + partition(of(range), map, best, moved);
+    }
+
+    // Keeps the order on both sides. Without a branch on where an item goes, which no processor could guess.
+    static uint32_t partition(std::span<Item> items, const BinMap& map, const binning::Split& split, Item* moved) {
+        const int axis = split.axis;
+        const float origin = map.origin[axis], scale = map.scale[axis];
+        const auto first_right = static_cast<float>(split.bin);
+        uint32_t left = 0, right = 0;
+        for (const Item& item : items) {
+            const Item copy = item;
+            // As `map` has it, for one axis.
+            const bool is_left = (0.5f * copy.lo[axis] + 0.5f * copy.hi[axis] - origin) * scale < first_right;
+            items[left] = copy;
+            moved[right] = copy;
+            left += is_left ? 1 : 0;
+            right += is_left ? 0 : 1;
+        }
+        std::copy_n(moved, right, items.begin() + left);
+        return left;
+    }
+
+    template <typename Body>
+    void for_each_chunk(const Range& range, const Body& body) {
+        parallel_for(range.begin, range.end, kChunkSize, [&](size_t begin, size_t end) {
+            body(memory_.chunks[(begin - range.begin) / kChunkSize], std::span(memory_.items).subspan(begin, end - begin));
         });
-        return static_cast<uint32_t>(middle - first);
     }
 
-    // Bins a unit of length; 0 where the centroids have no extent to speak of (or an infinite one).
-    float bin_scale(const Aabb& centres, int axis) const {
-        const float scale = static_cast<float>(config_.bin_count / (double(centres.hi[axis]) - centres.lo[axis]));
-        return std::isfinite(scale) ? scale : 0.0f;
-    }
-    int bin_of(float x, float lo, float scale) const {
-        const float bin = (x - lo) * scale;
-        return bin < static_cast<float>(config_.bin_count - 1) ? static_cast<int>(bin) : config_.bin_count - 1;
+    uint32_t split_in_parallel(const Range& range, Extents* extents) {
+        const uint32_t chunk_count = (range.count() + kChunkSize - 1) / kChunkSize;
+        if (memory_.chunks.size() < chunk_count) memory_.chunks.resize(chunk_count);
+        for_each_chunk(range, [](Chunk& chunk, std::span<Item> items) {
+            chunk.extents = {};
+            for (const Item& item : items) chunk.extents.extend(item);
+        });
+        for (uint32_t k = 0; k < chunk_count; ++k) extents->extend(memory_.chunks[k].extents);
+        const BinMap map(*extents, config_.bin_count);
+        if (!map.is_usable()) return range.begin + range.count() / 2;
+        for_each_chunk(range, [&](Chunk& chunk, std::span<Item> items) {
+            chunk.bins.clear(map.bin_count);
+            chunk.bins.add(items, map);
+        });
+        Bins& bins = memory_.chunks[0].bins;
+        for (uint32_t k = 1; k < chunk_count; ++k) bins.add(memory_.chunks[k].bins, map.bin_count);
+        const binning::Split best =
+            binning::best_split(bins, map.bin_count, range.count(), block_shift_, binning::AreaScale(*extents));
+        if (best.axis < 0) return range.begin + range.count() / 2;
+        for_each_chunk(range, [&](Chunk& chunk, std::span<Item> items) {
+            std::array<Item, kChunkSize> moved;
+            chunk.left_count = partition(items, map, best, moved.data());
+        });
+        return swap_sides(range, chunk_count);
     }
 
-    Split best_split(const Range& range, const Aabb& centres) const {
-        Split best;
-        std::array<Bin, kMaxBins> bins;
-        std::array<double, kMaxBins> right_cost;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float lo = centres.lo[axis], scale = bin_scale(centres, axis);
-            if (scale == 0.0f) continue;
-            std::fill_n(bins.begin(), config_.bin_count, Bin{});
-            for (uint32_t k = range.begin; k < range.end; ++k) {
-                const uint32_t primitive = bvh_.primitives[k];
-                Bin& bin = bins[bin_of(centre(primitive)[axis], lo, scale)];
-                if (boxes_[primitive].is_finite()) bin.bounds.extend(boxes_[primitive]);
-                ++bin.count;
-            }
-            Bin right;
-            for (int k = config_.bin_count; --k > 0;) {
-                right.bounds.extend(bins[k].bounds);
-                right.count += bins[k].count;
-                right_cost[k] = right.bounds.half_area() * right.count;
-            }
-            Bin left;
-            for (int k = 1; k < config_.bin_count; ++k) {
-                left.bounds.extend(bins[k - 1].bounds);
-                left.count += bins[k - 1].count;
-                if (left.count == 0 || left.count == range.count()) continue;
-                const double cost = left.bounds.half_area() * left.count + right_cost[k];
-                const uint32_t unevenness = std::max(left.count, range.count() - left.count);
-                if (cost < best.cost || (cost == best.cost && unevenness < best.unevenness))
-                    best = {axis, k, cost, unevenness};
-            }
+    // Chunks are parted: L R L R ... Swaps every right part before the middle with left parts after it.
+    uint32_t swap_sides(const Range& range, uint32_t chunk_count) {
+        uint32_t middle = range.begin;
+        for (uint32_t k = 0; k < chunk_count; ++k) middle += memory_.chunks[k].left_count;
+        struct Run {
+            uint32_t begin, end;
+        };
+        const auto chunk_begin = [&](uint32_t k) { return std::min(range.begin + k * kChunkSize, range.end); };
+        const auto right_run = [&](uint32_t k) {
+            return Run{chunk_begin(k) + memory_.chunks[k].left_count, std::min(chunk_begin(k + 1), middle)};
+        };
+        const auto left_run = [&](uint32_t k) {
+            return Run{std::max(chunk_begin(k), middle), chunk_begin(k) + memory_.chunks[k].left_count};
+        };
+        memory_.swaps.clear();
+        uint32_t a = 0, b = 0;
+        Run right = right_run(a), left = left_run(b);
+        while (true) {
+            while (right.begin >= right.end && ++a < chunk_count) right = right_run(a);
+            while (left.begin >= left.end && ++b < chunk_count) left = left_run(b);
+            if (a >= chunk_count || b >= chunk_count) break;
+            const uint32_t count = std::min(right.end - right.begin, left.end - left.begin);
+            memory_.swaps.push_back({right.begin, left.begin, count});
+            right.begin += count;
+            left.begin += count;
         }
-        return best;
+        parallel_for(0, memory_.swaps.size(), 8, [&](size_t begin, size_t end) {
+            for (size_t k = begin; k < end; ++k) {
+                const Swap& swap = memory_.swaps[k];
+                const auto items = memory_.items.begin();
+                std::swap_ranges(items + swap.a, items + swap.a + swap.count, items + swap.b);
+            }
+        });
+        return middle;
     }
 
-    // Closes the gaps that leaves of several primitives left; the order of nodes stays.
-    void compact() {
-        thread_local std::vector<uint32_t> place;
-        place.resize(bvh_.nodes.size());
-        uint32_t used = 0;
-        for (size_t k = 0; k < bvh_.nodes.size(); ++k) {
-            place[k] = used;
-            if (bvh_.nodes[k].count != kUnused) ++used;
-        }
-        for (size_t k = 0; k < bvh_.nodes.size(); ++k) {
-            BvhNode node = bvh_.nodes[k];
-            if (node.count == kUnused) continue;
-            if (!node.is_leaf()) node.first = place[node.first];
-            bvh_.nodes[place[k]] = node;
+    // Subtrees move together; inside of one nothing changes but by how far it moved.
+    void close_gaps() {
+        uint32_t used = static_cast<uint32_t>(memory_.top.size());
+        for (const Subtree& subtree : memory_.subtrees) {
+            const uint32_t shift = subtree.room - used;
+            const auto move = [&](BvhNode node) {
+                if (!node.is_leaf()) node.first -= shift;
+                return node;
+            };
+            bvh_.nodes[subtree.range.node] = move(bvh_.nodes[subtree.range.node]);
+            for (uint32_t k = subtree.room; k < subtree.room + subtree.used; ++k) bvh_.nodes[used++] = move(bvh_.nodes[k]);
         }
         bvh_.nodes.resize(used);
     }
 
     std::span<const Aabb> boxes_;
     const BinnedConfig& config_;
+    int block_shift_;
+    Memory& memory_;
     Bvh& bvh_;
 };
 
 }  // namespace
 
 Bvh build_binned(std::span<const Aabb> boxes, const BinnedConfig& config, Bvh storage) {
-    assert(config.bin_count >= 2 && config.bin_count <= kMaxBins);
-    storage.nodes.clear();
-    storage.primitives.clear();
-    if (!boxes.empty()) Builder(boxes, config, &storage).build();
+    assert(std::has_single_bit(static_cast<uint32_t>(config.block_size)));
+    assert(config.bin_count >= 2 && config.bin_count <= binning::kMaxBins);
+    if (boxes.empty()) {
+        storage.nodes.clear();
+        storage.primitives.clear();
+        return storage;
+    }
+    static thread_local Memory memory;
+    Builder(boxes, config, &memory, &storage).build();
     return storage;
 }
 

@@ -6,7 +6,8 @@ namespace zoe {
 
 struct SweepConfig {
     int max_leaf_size = 8;   ///< A leaf with more primitives is split even where that does not pay.
-    float node_cost = 1.0f;  ///< Cost of visiting a node, in units of a triangle test.
+    int block_size = 1;      ///< Triangles tested at once, a power of two: a leaf costs its blocks, and one is never split.
+    float node_cost = 1.0f;  ///< Cost of visiting a node, in units of testing a block.
 };
 
 /// Builds by full-sweep SAH: every split position of every axis is tried; a node becomes a leaf where no split pays.

@@ -1,7 +1,9 @@
 #include "engine/bvh/epo.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -97,15 +99,47 @@ public:
             }
         }
     }
-    bool is_under(uint32_t node, size_t slot) const { return rank_of_[slot] - begin_[node] < count_[node]; }
+    uint32_t rank_of(size_t slot) const { return rank_of_[slot]; }
+    /// ranks      of a triangle's references, ascending.
+    bool is_under(uint32_t node, std::span<const uint32_t> ranks) const {
+        const auto first = std::lower_bound(ranks.begin(), ranks.end(), begin_[node]);
+        return first != ranks.end() && *first - begin_[node] < count_[node];
+    }
 
 private:
     std::vector<uint32_t> begin_, count_;  // [node_count]
     std::vector<uint32_t> rank_of_;        // [primitive_count] by slot.
 };
 
+// The references of each triangle.
+class References {
+public:
+    References(const Bvh& bvh, const Ranks& ranks) : slots_(bvh.primitives.size()), ranks_(bvh.primitives.size()) {
+        std::iota(slots_.begin(), slots_.end(), 0u);
+        std::sort(slots_.begin(), slots_.end(), [&](uint32_t a, uint32_t b) {
+            const uint32_t p = bvh.primitives[a], q = bvh.primitives[b];
+            return p < q || (p == q && ranks.rank_of(a) < ranks.rank_of(b));
+        });
+        for (size_t k = 0; k < slots_.size(); ++k) {
+            ranks_[k] = ranks.rank_of(slots_[k]);
+            if (k == 0 || bvh.primitives[slots_[k]] != bvh.primitives[slots_[k - 1]]) begins_.push_back(k);
+        }
+        begins_.push_back(slots_.size());
+    }
+    size_t triangle_count() const { return begins_.size() - 1; }
+    uint32_t a_slot_of(size_t triangle) const { return slots_[begins_[triangle]]; }
+    std::span<const uint32_t> ranks_of(size_t triangle) const {
+        return std::span(ranks_).subspan(begins_[triangle], begins_[triangle + 1] - begins_[triangle]);
+    }
+
+private:
+    std::vector<uint32_t> slots_, ranks_;  // [reference_count] by primitive, then by rank.
+    std::vector<size_t> begins_;           // [triangle_count + 1]
+};
+
 // Cost of the nodes that a triangle reaches into from outside, times its area in each.
-double overlap_of(const Bvh& bvh, const Ranks& ranks, size_t slot, const Triangle& triangle, double whole_area) {
+double overlap_of(const Bvh& bvh, const Ranks& ranks, std::span<const uint32_t> own, const Triangle& triangle,
+                  double whole_area) {
     const Aabb box = bounds(triangle);
     const Polygon polygon = polygon_of(triangle);
     double sum = 0.0;
@@ -114,7 +148,7 @@ double overlap_of(const Bvh& bvh, const Ranks& ranks, size_t slot, const Triangl
     while (!open.is_empty()) {
         const uint32_t index = open.pop();
         const BvhNode& node = bvh.nodes[index];
-        if (!ranks.is_under(index, slot)) {
+        if (!ranks.is_under(index, own)) {
             if (!overlaps(node, box)) continue;
             const double inside = node.bounds().contains(box) ? whole_area : area_inside(polygon, node);
             if (inside == 0.0) continue;  // Nor is there any in the boxes within this one.
@@ -132,17 +166,19 @@ double overlap_of(const Bvh& bvh, const Ranks& ranks, size_t slot, const Triangl
 double epo_cost(const Bvh& bvh, std::span<const Triangle> triangles) {
     assert(triangles.size() == bvh.primitives.size());
     const Ranks ranks(bvh);
+    const References references(bvh, ranks);
     struct Addend {
         double area = 0.0, overlap = 0.0;
     };
     std::vector<Addend> addends(triangles.size());
-    parallel_for(0, triangles.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t slot = begin; slot < end; ++slot) {
+    parallel_for(0, references.triangle_count(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            const uint32_t slot = references.a_slot_of(k);
             const Triangle& t = triangles[slot];
             if (!is_finite(t.a) || !is_finite(t.b) || !is_finite(t.c)) continue;
             const double whole_area = area(polygon_of(t));
             if (whole_area == 0.0) continue;
-            addends[slot] = {whole_area, overlap_of(bvh, ranks, slot, t, whole_area)};
+            addends[slot] = {whole_area, overlap_of(bvh, ranks, references.ranks_of(k), t, whole_area)};
         }
     });
     Addend sum;  // In the order of the slots, so that threads do not show.

@@ -150,6 +150,11 @@ private:
                 scratch_.below.push_back(node.first);
             }
         }
+        if (config_.has_duplicates) {
+            const auto begin = slots->begin() + first * config_.block_size;
+            std::sort(begin, slots->end());
+            slots->erase(std::unique(begin, slots->end()), slots->end());
+        }
         while (slots->size() % config_.block_size != 0) slots->push_back(kEmptyChild);
         const auto count = static_cast<uint32_t>(slots->size() / config_.block_size) - first;
         assert(count <= kMaxLeafBlocks && first + count <= kMaxBlocks);

@@ -5,8 +5,12 @@
 #include "engine/bvh/blas.h"
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/bvh/epo.h"
+#include "engine/bvh/reinsert.h"
+#include "engine/bvh/tree_stats.h"
+#include "tests/bench/build_median.h"
 #include "tests/bench/harness.h"
 #include "tests/bench/inputs.h"
 #include "tests/math/random_inputs.h"
@@ -15,40 +19,53 @@ namespace zoe::test {
 
 namespace {
 
-struct TreeQuality {
-    double sah, epo, depth;
-};
-
-/// Adds what a tree is worth to the counters, or fails where it is broken. The quality is worked out once a benchmark,
-/// however often the library repeats it: it takes longer than a build.
+/// Adds what a tree is worth to the counters. The quality is worked out once a benchmark, however often the library repeats
+/// it: it takes longer than a build.
 void report_tree(benchmark::State& state, const std::string& name, const Bvh& bvh, const BenchMesh& mesh) {
-    if (const std::string fault = validate(bvh, mesh.boxes()); !fault.empty()) return fail(state, fault);
-    static std::map<std::string, TreeQuality> known;
+    struct Quality {
+        TreeStats stats;
+        double epo;
+    };
+    static std::map<std::string, Quality> known;
     if (!known.contains(name)) {
         std::vector<Triangle> triangles;
         for (const uint32_t k : bvh.primitives) {
             const glm::uvec3 c = mesh.corners[k];
             triangles.push_back({mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z], k});
         }
-        known[name] = {sah_cost(bvh), epo_cost(bvh, triangles), double(depth(bvh))};
+        known[name] = {tree_stats(bvh), epo_cost(bvh, triangles)};
     }
-    const TreeQuality& quality = known[name];
-    state.counters["sah"] = quality.sah;
-    state.counters["epo"] = quality.epo;
-    state.counters["depth"] = quality.depth;
+    const auto& [stats, epo] = known[name];
+    state.counters["sah"] = stats.sah;
+    state.counters["epo"] = epo;
+    state.counters["depth"] = stats.depth;
+    state.counters["duplicates"] = stats.duplicate_count;
+    count_per_second(state, "triangles", mesh.corners.size());
 }
 
-void build(benchmark::State& state, const std::string& name, BlasBuilder builder, const std::string& mesh_name) {
+/// build      makes a Bvh of boxes.
+template <typename Build>
+void build(benchmark::State& state, const std::string& name, const std::string& mesh_name, const Build& build) {
     const BenchMesh& mesh = mesh_named(mesh_name);
     const std::vector<Aabb> boxes = mesh.boxes();
     Bvh bvh;
     for (auto _ : state) {
-        bvh = builder == BlasBuilder::kSweep ? build_sweep(boxes, {}, std::move(bvh))
-                                             : build_binned(boxes, {}, std::move(bvh));
+        bvh = build(boxes, std::move(bvh));
         benchmark::DoNotOptimize(bvh.nodes.data());
     }
-    count_per_second(state, "triangles", mesh.corners.size());
+    if (const std::string fault = validate(bvh, boxes); !fault.empty()) return fail(state, fault);
     report_tree(state, name, bvh, mesh);
+}
+
+void build_with_pieces(benchmark::State& state, const std::string& name, const std::string& mesh_name) {
+    const BenchMesh& mesh = mesh_named(mesh_name);
+    StaticBvh bvh;
+    for (auto _ : state) {
+        bvh = build_sbvh(mesh.positions, mesh.corners);
+        benchmark::DoNotOptimize(bvh.tree.nodes.data());
+    }
+    if (const std::string fault = validate(bvh, mesh.positions, mesh.corners); !fault.empty()) return fail(state, fault);
+    report_tree(state, name, bvh.tree, mesh);
 }
 
 double bytes_per_triangle(const Blas& blas) {
@@ -66,6 +83,7 @@ void make_traversed(benchmark::State& state, BlasBuilder builder, const std::str
     }
     count_per_second(state, "triangles", mesh.corners.size());
     state.counters["bytes_per_triangle"] = bytes_per_triangle(blas);
+    state.counters["sah"] = sah_cost(blas.tree, 1.0f);
     if (const std::string fault = validate(blas, mesh.positions, mesh.corners); !fault.empty()) fail(state, fault);
 }
 
@@ -117,12 +135,30 @@ void register_builders() {
         benchmark::RegisterBenchmark(name.c_str(), run, name)->Unit(benchmark::kMillisecond);
     };
     for (const std::string mesh : kMeshNames) {
-        add("build_sweep/" + mesh,
-            [=](benchmark::State& state, const std::string& name) { build(state, name, BlasBuilder::kSweep, mesh); });
-        add("build_binned/" + mesh,
-            [=](benchmark::State& state, const std::string& name) { build(state, name, BlasBuilder::kBinned, mesh); });
-        add("build_blas_binned/" + mesh,
-            [=](benchmark::State& state, const std::string&) { make_traversed(state, BlasBuilder::kBinned, mesh); });
+        using Boxes = std::span<const Aabb>;
+        const auto add_builder = [&](const std::string& method, auto builder) {
+            add(method + "/" + mesh,
+                [=](benchmark::State& state, const std::string& name) { build(state, name, mesh, builder); });
+        };
+        add_builder("build_median", [](Boxes boxes, Bvh) { return build_median(boxes); });
+        add_builder("build_binned", [](Boxes boxes, Bvh storage) { return build_binned(boxes, {}, std::move(storage)); });
+        add_builder("build_sweep", [](Boxes boxes, Bvh storage) { return build_sweep(boxes, {}, std::move(storage)); });
+        add_builder("build_sweep_and_reinsert", [](Boxes boxes, Bvh storage) {
+            Bvh bvh = build_sweep(boxes, {}, std::move(storage));
+            reinsert(&bvh);
+            return bvh;
+        });
+        add("build_sbvh/" + mesh,
+            [=](benchmark::State& state, const std::string& name) { build_with_pieces(state, name, mesh); });
+        const std::pair<const char*, BlasBuilder> blas_builders[] = {{"build_blas_binned/", BlasBuilder::kBinned},
+                                                                     {"build_blas_sweep/", BlasBuilder::kSweep},
+                                                                     {"build_blas_reinserted/", BlasBuilder::kReinserted},
+                                                                     {"build_blas_sbvh/", BlasBuilder::kSbvh}};
+        for (const auto& [method, builder] : blas_builders) {
+            add(method + mesh, [=, builder = builder](benchmark::State& state, const std::string&) {
+                make_traversed(state, builder, mesh);
+            });
+        }
         add("refit_blas/" + mesh, [=](benchmark::State& state, const std::string&) { refit_moved(state, mesh); });
     }
     for (const int count : {1000, 10000}) {

@@ -4,10 +4,23 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/bvh/build_sbvh.h"
 #include "tests/bvh/inputs.h"
+#include "tests/math/random_inputs.h"
 
 namespace zoe::test {
 namespace {
+
+constexpr BlasBuilder kBuilders[] = {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kReinserted,
+                                     BlasBuilder::kSbvh};
+
+/// Large triangles across many small ones, which spatial splits cut.
+TestMesh large_among_small(uint64_t seed) {
+    TestMesh mesh = random_soup(2000, 0.1f, seed);
+    Rng rng(seed);
+    for (int k = 0; k < 40; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
+    return mesh;
+}
 
 TEST(Blas, EveryBuilderGivesTheHitsOfTheLoopOverAllTrianglesToTheLastBit) {
     const uint64_t seed = 81;
@@ -48,7 +61,7 @@ TEST(Blas, TiesGoToTheLowestPrimitive) {
     TestMesh copies{"copies", {}, {}};
     copies.add({-1, -1, -2}, {1, -1, -2}, {0, 1, -2});
     copies.corners.assign(3000, copies.corners[0]);
-    for (const BlasBuilder builder : {BlasBuilder::kSweep, BlasBuilder::kBinned}) {
+    for (const BlasBuilder builder : kBuilders) {
         Blas blas;
         build_blas(copies.positions, copies.corners, builder, &blas);
         const BlasHit hit = closest_hit(blas, {{0, 0, 0}, {0, 0, -1}});
@@ -59,7 +72,7 @@ TEST(Blas, TiesGoToTheLowestPrimitive) {
 
 TEST(Blas, HoldsEveryTriangleInALeafThatContainsIt) {
     for (const TestMesh& mesh : nasty_meshes()) {
-        for (const BlasBuilder builder : {BlasBuilder::kSweep, BlasBuilder::kBinned}) {
+        for (const BlasBuilder builder : kBuilders) {
             Blas blas;
             build_blas(mesh.positions, mesh.corners, builder, &blas);
             EXPECT_EQ(validate(blas, mesh.positions, mesh.corners), "") << mesh.name;
@@ -72,20 +85,74 @@ TEST(Blas, CountsTrianglesThatAreNotFinite) {
     const auto broken = std::find_if(meshes.begin(), meshes.end(),
                                      [](const TestMesh& mesh) { return mesh.name == "every fifth triangle not finite"; });
     ASSERT_NE(broken, meshes.end());
-    for (const BlasBuilder builder : {BlasBuilder::kSweep, BlasBuilder::kBinned}) {
+    for (const BlasBuilder builder : kBuilders) {
         Blas blas;
         build_blas(broken->positions, broken->corners, builder, &blas);
         EXPECT_EQ(blas.not_finite_count, 400u);
+        if (blas.has_pieces) continue;
         refit_blas(broken->positions, broken->corners, &blas);
         EXPECT_EQ(blas.not_finite_count, 400u);
     }
+}
+
+TEST(Blas, OfPiecesHoldsATriangleInSeveralLeavesAndOnceInEach) {
+    const TestMesh mesh = large_among_small(85);
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kSbvh, &blas);
+    ASSERT_EQ(validate(blas, mesh.positions, mesh.corners), "");
+    ASSERT_TRUE(blas.has_pieces);
+    size_t held_count = 0;
+    for (const WideNode& node : blas.tree.nodes) {
+        for (const uint32_t child : node.child) {
+            if (child == kEmptyChild || !is_leaf(child)) continue;
+            std::vector<uint32_t> held;
+            for (uint32_t k = 0; k < block_count(child); ++k) {
+                for (const uint32_t primitive : blas.blocks[first_block(child) + k].primitive) {
+                    if (primitive != kEmptyChild) held.push_back(primitive);
+                }
+            }
+            held_count += held.size();
+            std::sort(held.begin(), held.end());
+            EXPECT_EQ(std::adjacent_find(held.begin(), held.end()), held.end());
+        }
+    }
+    EXPECT_GT(held_count, mesh.corners.size());
+    blas.has_pieces = false;
+    EXPECT_NE(validate(blas, mesh.positions, mesh.corners).find("in two leaves"), std::string::npos);
+}
+
+TEST(Blas, ValidateSeesAPieceThatIsMissing) {
+    const TestMesh mesh = large_among_small(86);
+    StaticBvh bvh = build_sbvh(mesh.positions, mesh.corners, {.max_reference_growth = 2.0f});
+    ASSERT_EQ(validate(blas_from(bvh, mesh), mesh.positions, mesh.corners), "");
+    // Moved out of most of its leaves: another triangle stands there now, twice.
+    const uint32_t large = static_cast<uint32_t>(mesh.corners.size()) - 1;
+    const auto count = std::count(bvh.tree.primitives.begin(), bvh.tree.primitives.end(), large);
+    ASSERT_GT(count, 2);
+    for (auto left = count - 1; uint32_t & primitive : bvh.tree.primitives) {
+        if (primitive == large && left-- > 0) primitive = 0;
+    }
+    EXPECT_NE(validate(blas_from(bvh, mesh), mesh.positions, mesh.corners), "");
+}
+
+TEST(BlasDeathTest, PiecesAreNotRefitted) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const TestMesh mesh = large_among_small(87);
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kSbvh, &blas);
+    ASSERT_TRUE(blas.has_pieces);
+    EXPECT_DEATH(refit_blas(mesh.positions, mesh.corners, &blas), "has_pieces");
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kReinserted, &blas);
+    EXPECT_FALSE(blas.has_pieces);
+    refit_blas(mesh.positions, mesh.corners, &blas);
+    EXPECT_EQ(validate(blas, mesh.positions, mesh.corners), "");
 }
 
 TEST(Blas, IsReusedForMeshesOfAnySize) {
     Blas blas;
     for (const int count : {500, 1, 3000, 0, 20}) {
         const TestMesh soup = random_soup(count, 1.0f, 83 + count);
-        for (const BlasBuilder builder : {BlasBuilder::kBinned, BlasBuilder::kSweep}) {
+        for (const BlasBuilder builder : kBuilders) {
             build_blas(soup.positions, soup.corners, builder, &blas);
             EXPECT_EQ(validate(blas, soup.positions, soup.corners), "");
             for (const Ray& ray : rays_at(soup, 100, 84)) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -8,6 +9,7 @@
 #include "engine/bvh/build_binned.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/math/parallel.h"
+#include "tests/bench/build_median.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 
@@ -104,6 +106,18 @@ TEST(Builders, LeavesAreNoLargerThanAllowed) {
     }
 }
 
+TEST(Builders, LeavesFillBlocksWhereTrianglesAreTestedInBlocks) {
+    const std::vector<Aabb> boxes = random_soup(5000, 0.5f, 67).boxes();
+    const auto mean_leaf = [&](const Bvh& bvh) {
+        EXPECT_EQ(validate(bvh, boxes), "");
+        const auto leaf_count =
+            std::count_if(bvh.nodes.begin(), bvh.nodes.end(), [](const BvhNode& n) { return n.is_leaf(); });
+        return double(boxes.size()) / double(leaf_count);
+    };
+    EXPECT_GT(mean_leaf(build_sweep(boxes, {.block_size = 4})), 1.3 * mean_leaf(build_sweep(boxes)));
+    EXPECT_GT(mean_leaf(build_binned(boxes, {.block_size = 4})), 1.3 * mean_leaf(build_binned(boxes)));
+}
+
 TEST(Builders, GiveTheSameTreeOnAnyNumberOfThreads) {
     const TestMesh soup = random_soup(60000, 0.2f, 63);
     const std::vector<Aabb> boxes = soup.boxes();
@@ -141,6 +155,38 @@ TEST(Builders, BeatAMedianSplitBySurfaceArea) {
     EXPECT_LT(binned, 0.2 * one_leaf);
     EXPECT_LE(sweep, 1.05 * binned) << "every position tried can hardly be worse than 16 bins";
     EXPECT_LE(sah_cost(build_agglomerative(boxes)), 2.0 * sweep);
+}
+
+TEST(Builders, SaveThreeTenthsOfTheWorkOfANaiveTreeAtLeast) {
+    // A room: a few large triangles, and clusters of small ones of very different density.
+    TestMesh mesh = random_soup(0, 1.0f, 68);
+    Rng rng(68);
+    for (int cluster = 0; cluster < 20; ++cluster) {
+        const glm::vec3 place = random_point(rng, 9.0f);
+        const float size = log_uniform(rng, 0.05, 1.0);
+        for (int k = 0; k < 400; ++k) {
+            const glm::vec3 a = place + random_point(rng, size);
+            mesh.add(a, a + random_point(rng, 0.1f * size), a + random_point(rng, 0.1f * size));
+        }
+    }
+    for (int k = 0; k < 30; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
+    const std::vector<Aabb> boxes = mesh.boxes();
+    const Bvh naive = build_median(boxes);
+    ASSERT_EQ(validate(naive, boxes), "");
+    const auto work = [&](const Bvh& bvh) {
+        const Blas blas = blas_from(bvh, mesh);
+        TraverseCounts counts;
+        Rng ray_rng(69);
+        for (int k = 0; k < 5000; ++k) {
+            BlasHit hit;
+            const RayFrame ray(Ray{random_point(ray_rng, 10.0f), random_direction(ray_rng)});
+            closest_hit(blas, ray, 0.0f, 0.0f, &hit, &counts);
+        }
+        return double(counts.nodes) + counts.triangles;
+    };
+    const double naive_work = work(naive);
+    EXPECT_LT(work(build_sweep(boxes)), 0.7 * naive_work);
+    EXPECT_LT(work(build_binned(boxes)), 0.7 * naive_work);
 }
 
 TEST(SahCost, IsTheHandComputedOne) {

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/math/parallel.h"
 #include "tests/bvh/inputs.h"
@@ -91,25 +92,27 @@ Tree refitted(const Tree& tree, const TestMesh& moved) {
     return fitted;
 }
 
-/// Every node against every triangle.
+/// Every node against every triangle, which is under all nodes that have a leaf with it.
 double reference(const Tree& tree) {
     const std::vector<BvhNode>& nodes = tree.bvh.nodes;
     std::vector<std::set<uint32_t>> under(nodes.size());
     for (size_t k = nodes.size(); k-- > 0;) {
         if (nodes[k].is_leaf()) {
-            for (uint32_t i = 0; i < nodes[k].count; ++i) under[k].insert(nodes[k].first + i);
+            for (uint32_t i = 0; i < nodes[k].count; ++i) under[k].insert(tree.bvh.primitives[nodes[k].first + i]);
         } else {
             under[k] = under[nodes[k].first];
             under[k].insert(under[nodes[k].first + 1].begin(), under[nodes[k].first + 1].end());
         }
     }
     Real sum = 0, whole = 0;
+    std::set<uint32_t> seen;
     for (uint32_t slot = 0; slot < tree.triangles.size(); ++slot) {
         const Triangle& t = tree.triangles[slot];
-        if (!is_finite_triangle(t)) continue;
+        const uint32_t primitive = tree.bvh.primitives[slot];
+        if (!seen.insert(primitive).second || !is_finite_triangle(t)) continue;
         whole += area(t);
         for (size_t k = 0; k < nodes.size(); ++k) {
-            if (under[k].contains(slot)) continue;
+            if (under[k].contains(primitive)) continue;
             sum += (nodes[k].is_leaf() ? nodes[k].count : 1) * area(t) * share_inside(t, nodes[k].bounds());
         }
     }
@@ -133,6 +136,18 @@ Tree two_leaves(const Triangle& a, const Triangle& b) {
 
 Tree built(const TestMesh& mesh) {
     return tree_from(build_sweep(mesh.boxes()), mesh);
+}
+
+TEST(Epo, ATriangleInPiecesCountsOnceAndBelongsWhereverAPieceIs) {
+    TestMesh mesh = random_soup(150, 1.0f, 71);
+    Rng rng(71);
+    for (int k = 0; k < 12; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
+    const StaticBvh bvh = build_sbvh(mesh.positions, mesh.corners, {.max_reference_growth = 3.0f, .min_overlap = 0.0f});
+    ASSERT_GT(bvh.tree.primitives.size(), mesh.corners.size() + 20);
+    const Tree tree = tree_from(bvh.tree, mesh);
+    const double expected = reference(tree);
+    EXPECT_GT(expected, 0.0);
+    EXPECT_NEAR(epo_cost(tree.bvh, tree.triangles), expected, 1e-9 * expected);
 }
 
 TEST(EpoCost, IsZeroWhereNothingOverlaps) {

@@ -153,6 +153,7 @@ std::vector<NamedBuilder> all_builders() {
         {"sweep, leaves of one", [](Boxes boxes) { return build_sweep(boxes, {.max_leaf_size = 1, .node_cost = 0.0f}); }},
         {"sweep, costly nodes", [](Boxes boxes) { return build_sweep(boxes, {.max_leaf_size = 64, .node_cost = 10.0f}); }},
         {"binned", [](Boxes boxes) { return build_binned(boxes); }},
+        {"binned, blocks of four", [](Boxes boxes) { return build_binned(boxes, {.block_size = 4, .node_cost = 0.5f}); }},
         {"binned, two bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 2, .max_leaf_size = 1}); }},
         {"binned, 64 bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 64, .max_leaf_size = 4}); }},
         {"agglomerative", [](Boxes boxes) { return build_agglomerative(boxes); }, true, true},
@@ -166,6 +167,13 @@ bool accepts(const NamedBuilder& builder, std::span<const Aabb> boxes) {
 }
 
 Blas blas_from(const Bvh& bvh, const TestMesh& mesh) {
+    Blas blas;
+    BlasScratch scratch;
+    make_blas(bvh, mesh.positions, mesh.corners, &blas, &scratch);
+    return blas;
+}
+
+Blas blas_from(const StaticBvh& bvh, const TestMesh& mesh) {
     Blas blas;
     BlasScratch scratch;
     make_blas(bvh, mesh.positions, mesh.corners, &blas, &scratch);

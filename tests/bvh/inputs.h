@@ -39,6 +39,7 @@ bool accepts(const NamedBuilder& builder, std::span<const Aabb> boxes);
 
 /// A BLAS with a tree from anywhere.
 Blas blas_from(const Bvh& bvh, const TestMesh& mesh);
+Blas blas_from(const StaticBvh& bvh, const TestMesh& mesh);
 
 /// The closest hit by trying every triangle in order with the engine's kernel: ties go to the lower primitive.
 BlasHit brute_force(const TestMesh& mesh, const Ray& ray);

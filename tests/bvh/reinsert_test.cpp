@@ -1,0 +1,115 @@
+#include "engine/bvh/reinsert.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_sbvh.h"
+#include "engine/bvh/build_sweep.h"
+#include "engine/math/parallel.h"
+#include "tests/bvh/inputs.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+namespace {
+
+TEST(Reinsert, KeepsTreesValidAndNeverMakesThemWorse) {
+    for (const TestMesh& mesh : nasty_meshes()) {
+        const std::vector<Aabb> boxes = mesh.boxes();
+        for (const NamedBuilder& builder : all_builders()) {
+            if (!accepts(builder, boxes)) continue;
+            SCOPED_TRACE(builder.name + " on " + mesh.name);
+            Bvh bvh = builder.build(boxes);
+            const double before = sah_cost(bvh);
+            const size_t node_count = bvh.nodes.size();
+            reinsert(&bvh, {.candidate_share = 1.0f, .min_gain = 0.0f});
+            EXPECT_EQ(validate(bvh, boxes), "");
+            EXPECT_EQ(bvh.nodes.size(), node_count);
+            EXPECT_LE(sah_cost(bvh), before * (1.0 + 1e-12));
+        }
+    }
+}
+
+TEST(Reinsert, TakesTreesOfPieces) {
+    TestMesh mesh = random_soup(2000, 0.5f, 91);
+    Rng rng(91);
+    for (int k = 0; k < 100; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
+    StaticBvh bvh = build_sbvh(mesh.positions, mesh.corners, {.max_reference_growth = 2.0f});
+    const double before = sah_cost(bvh.tree);
+    ASSERT_GT(bvh.tree.primitives.size(), mesh.corners.size());
+    EXPECT_GT(reinsert(&bvh.tree).moves, 0u);
+    EXPECT_EQ(validate(bvh, mesh.positions, mesh.corners), "");
+    EXPECT_LT(sah_cost(bvh.tree), before);
+    const Blas blas = blas_from(bvh, mesh);
+    for (const Ray& ray : rays_at(mesh, 3000, 92)) {
+        const BlasHit expected = brute_force(mesh, ray), found = closest_hit(blas, ray);
+        ASSERT_TRUE(is_same(found, expected)) << to_string(found) << ", expected " << to_string(expected);
+    }
+}
+
+TEST(Reinsert, MendsABadTree) {
+    // Neighbours far apart in the tree: what binning with two bins over shuffled scales leaves, and worse.
+    const TestMesh mesh = random_soup(1500, 0.3f, 93);
+    const std::vector<Aabb> boxes = mesh.boxes();
+    Bvh bvh = build_sweep(boxes, {.max_leaf_size = 1, .node_cost = 0.0f});
+    const double good = sah_cost(bvh);
+    Rng rng(93);
+    for (size_t k = bvh.primitives.size(); k-- > 1;) {
+        std::swap(bvh.primitives[k], bvh.primitives[rng.below(static_cast<uint32_t>(k + 1))]);
+    }
+    for (size_t k = bvh.nodes.size(); k-- > 0;) {
+        BvhNode& node = bvh.nodes[k];
+        const Aabb box = node.is_leaf() ? boxes[bvh.primitives[node.first]]
+                                        : merge(bvh.nodes[node.first].bounds(), bvh.nodes[node.first + 1].bounds());
+        node.lo = box.lo;
+        node.hi = box.hi;
+    }
+    ASSERT_EQ(validate(bvh, boxes), "");
+    const double bad = sah_cost(bvh);
+    ASSERT_GT(bad, 5.0 * good);
+    reinsert(&bvh, {.max_rounds = 60, .candidate_share = 1.0f, .min_gain = 0.0f});
+    EXPECT_EQ(validate(bvh, boxes), "");
+    EXPECT_LT(sah_cost(bvh), 1.3 * good);
+}
+
+TEST(Reinsert, FindsTheOneMoveThatPays) {
+    // Two far pairs, crossed: each inner node holds one of either pair.
+    const auto cube = [](float x) { return Aabb{glm::vec3(x, 0, 0), glm::vec3(x + 1, 1, 1)}; };
+    const std::vector<Aabb> boxes{cube(0), cube(100), cube(1), cube(101)};
+    Bvh bvh;
+    bvh.primitives = {0, 1, 2, 3};
+    const auto node = [](const Aabb& box, uint32_t first, uint32_t count) { return BvhNode{box.lo, first, box.hi, count}; };
+    bvh.nodes = {node(merge(cube(0), cube(101)), 1, 0),
+                 node(merge(cube(0), cube(100)), 3, 0),
+                 node(merge(cube(1), cube(101)), 5, 0),
+                 node(cube(0), 0, 1),
+                 node(cube(100), 1, 1),
+                 node(cube(1), 2, 1),
+                 node(cube(101), 3, 1)};
+    ASSERT_EQ(validate(bvh, boxes), "");
+    reinsert(&bvh, {.candidate_share = 1.0f, .min_gain = 0.0f});
+    EXPECT_EQ(validate(bvh, boxes), "");
+    EXPECT_EQ(sah_cost(bvh), sah_cost(build_sweep(boxes, {.max_leaf_size = 1, .node_cost = 0.0f})));
+}
+
+TEST(Reinsert, GivesTheSameTreeOnAnyNumberOfThreads) {
+    const std::vector<Aabb> boxes = random_soup(20000, 0.5f, 94).boxes();
+    const Bvh start = build_binned(boxes);
+    set_thread_count(1);
+    Bvh reference = start;
+    reinsert(&reference);
+    for (const int threads : {2, 4}) {
+        set_thread_count(threads);
+        Bvh bvh = start;
+        reinsert(&bvh);
+        EXPECT_EQ(bvh.primitives, reference.primitives);
+        ASSERT_EQ(bvh.nodes.size(), reference.nodes.size());
+        EXPECT_EQ(std::memcmp(bvh.nodes.data(), reference.nodes.data(), bvh.nodes.size() * sizeof(BvhNode)), 0);
+    }
+    set_thread_count(0);
+}
+
+}  // namespace
+}  // namespace zoe::test
