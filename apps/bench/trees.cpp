@@ -26,7 +26,9 @@ struct Builder {
     const char* name;
     BlasBuilder builder;
 };
-constexpr std::array kBuilders = {Builder{"sweep", BlasBuilder::kSweep}, Builder{"binned", BlasBuilder::kBinned}};
+constexpr std::array kBuilders = {Builder{"binned", BlasBuilder::kBinned}, Builder{"sweep", BlasBuilder::kSweep},
+                                  Builder{"sweep, reinserted", BlasBuilder::kReinserted},
+                                  Builder{"SBVH, reinserted", BlasBuilder::kSbvh}};
 
 struct PeerQuality {
     const char* name;
