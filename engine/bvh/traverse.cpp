@@ -77,13 +77,14 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
     if (count >= kPacketSize) {
         const glm::vec3 size = scene.top->bounds().extent();
         const float extent = size.x + size.y + size.z;
-        Packet packet;
+        PacketHits found;
+        Packet world(&found), local(&found);
         for (; k + kPacketSize <= count; k += kPacketSize) {
-            if (set_packet(rays + k, extent, &packet)) {
-                trace_packet(scene, packet, walk);
+            if (set_packet(rays + k, extent, &world)) {
+                trace_packet(scene, world, local, walk);
                 for (size_t n = 0; n < kPacketSize; ++n) {
-                    finish(k + n, {packet.t[n], packet.u[n], packet.v[n], packet.id[n], packet.primitive[n]},
-                           packet.id[n] != kEmptyChild);
+                    finish(k + n, {found.t[n], found.u[n], found.v[n], found.id[n], found.primitive[n]},
+                           found.id[n] != kEmptyChild);
                 }
             } else {
                 for (size_t n = 0; n < kPacketSize; ++n) trace_single(k + n);

@@ -17,6 +17,9 @@ constexpr size_t kRayLanes = HWY_MAX_BYTES >= 64 ? 16 : HWY_MAX_BYTES >= 32 ? 8 
 
 // Directions may differ by this much of the longest component, origins by this much of the scene's extent.
 constexpr float kMaxDirectionSpread = 0.25f, kMaxOriginSpread = 0.05f;
+// Fewer rays than this in an instance go one by one.
+constexpr int kFewRays = 2;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // The rays' origins and reciprocal directions as intervals, in registers.
 struct BoxPacket {
@@ -52,79 +55,103 @@ HWY_INLINE Range range_of(const float* values) {
     return {hn::GetLane(hn::MinOfLanes(d, low)), hn::GetLane(hn::MaxOfLanes(d, high))};
 }
 
-struct Packet {
-    HWY_ALIGN float origin[3][kPacketSize];
-    HWY_ALIGN float inverse[3][kPacketSize];
-    HWY_ALIGN float direction[3][kPacketSize];
-    HWY_ALIGN float shear[3][kPacketSize];
+// What was found so far, in whatever space.
+struct PacketHits {
     HWY_ALIGN float t_min[kPacketSize];
-    HWY_ALIGN float t[kPacketSize];  // Of the closest hit so far; negative where a ray looks for no more.
+    HWY_ALIGN float t[kPacketSize];  // Of the closest hit; negative where a ray looks for no more.
     HWY_ALIGN float u[kPacketSize];
     HWY_ALIGN float v[kPacketSize];
     HWY_ALIGN uint32_t id[kPacketSize];
     HWY_ALIGN uint32_t primitive[kPacketSize];
-    const Ray* rays;
-    int kx, ky, kz;  // Of all rays.
-    bool is_negative[3];
-    BoxPacket boxes;
 };
 
-// Reads sixteen rays. Returns false for those that are better traced one by one, or must be.
-// extent     of the scene.
-HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
-    Packet& p = *packet;
-    p.rays = rays;
-    for (size_t k = 0; k < kPacketSize; ++k) {
-        const Ray& ray = rays[k];
+// The rays as the tests see them in one space: the world's, or an instance's.
+struct Packet {
+    explicit Packet(PacketHits* hits)
+        : t_min(hits->t_min), t(hits->t), u(hits->u), v(hits->v), id(hits->id), primitive(hits->primitive) {}
+
+    HWY_ALIGN float origin[3][kPacketSize];
+    HWY_ALIGN float inverse[3][kPacketSize];
+    HWY_ALIGN float direction[3][kPacketSize];
+    HWY_ALIGN float shear[3][kPacketSize];
+    HWY_ALIGN float t_floor[kPacketSize];  // No hit is nearer; infinite for rays that take no part.
+    float *t_min, *t, *u, *v;              // Of PacketHits, which both spaces share.
+    uint32_t *id, *primitive;
+    int kx, ky, kz;  // Of all rays.
+    bool is_negative[3];
+    float origin_spread;  // How far the origins are apart, along the axis where they are farthest.
+    BoxPacket boxes;
+
+    Ray ray(size_t k) const {
+        return {.origin = {origin[0][k], origin[1][k], origin[2][k]},
+                .direction = {direction[0][k], direction[1][k], direction[2][k]}};
+    }
+};
+
+// The farthest t that a ray which takes part still looks for; negative where none does.
+HWY_INLINE float farthest(const Packet& packet) {
+    const RayTag d;
+    auto most = hn::Set(d, -1.0f);
+    for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
+        const auto takes_part = hn::Lt(hn::Load(d, packet.t_floor + lane), hn::Set(d, kInfinity));
+        most = hn::IfThenElse(takes_part, larger(hn::Load(d, packet.t + lane), most), most);
+    }
+    return hn::GetLane(hn::MaxOfLanes(d, most));
+}
+
+// Whether all rays point much the same way, and none along an axis, or is of a size whose products may not be finite.
+HWY_INLINE bool is_uniform(const Packet& space) {
+    const RayTag d;
+    const auto small = hn::Set(d, 1e-15f), large = hn::Set(d, 1e15f);
+    for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
+        hn::Vec<RayTag> sizes[3];
         for (int axis = 0; axis < 3; ++axis) {
-            p.origin[axis][k] = ray.origin[axis];
-            p.direction[axis][k] = ray.direction[axis];
+            const auto along = hn::Load(d, space.direction[axis] + lane);
+            sizes[axis] = space.is_negative[axis] ? hn::Neg(along) : along;
         }
-        p.t_min[k] = ray.t_min;
-        p.t[k] = ray.t_max;
-        p.u[k] = p.v[k] = 0.0f;
-        p.id[k] = p.primitive[k] = kEmptyChild;
+        // As RayFrame has it.
+        const auto is_x_over_y = hn::Gt(sizes[0], sizes[1]);
+        const auto is_x = hn::And(is_x_over_y, hn::Gt(sizes[0], sizes[2]));
+        const auto is_y = hn::AndNot(is_x_over_y, hn::Gt(sizes[1], sizes[2]));
+        auto is_good = space.kz == 0 ? is_x : space.kz == 1 ? is_y : hn::Not(hn::Or(is_x, is_y));
+        // Every comparison is false for NaN.
+        for (int axis = 0; axis < 3; ++axis) {
+            is_good = hn::And(is_good, hn::And(hn::Ge(sizes[axis], small), hn::Le(sizes[axis], large)));
+            is_good = hn::And(is_good, hn::Le(hn::Abs(hn::Load(d, space.origin[axis] + lane)), large));
+        }
+        if (!hn::AllTrue(d, is_good)) return false;
     }
-    // Not for rays along an axis, or of sizes whose products may not be finite; every comparison is false for NaN.
-    constexpr float kSmall = 1e-15f, kLarge = 1e15f;
-    float longest = 0.0f;
-    Range origins[3], directions[3];
+    return true;
+}
+
+// Works out all else from origins and directions. Returns false for rays that are better traced one by one, or must be.
+HWY_INLINE bool prepare(Packet* packet) {
+    Packet& p = *packet;
+    glm::vec3 first;
     for (int axis = 0; axis < 3; ++axis) {
-        origins[axis] = range_of(p.origin[axis]);
-        directions[axis] = range_of(p.direction[axis]);
-        if (!(origins[axis].low >= -kLarge && origins[axis].high <= kLarge)) return false;
-        if (!(origins[axis].high - origins[axis].low <= kMaxOriginSpread * extent)) return false;
-        p.is_negative[axis] = directions[axis].high < 0.0f;
-        const float least = p.is_negative[axis] ? -directions[axis].high : directions[axis].low;
-        const float most = p.is_negative[axis] ? -directions[axis].low : directions[axis].high;
-        if (!(least >= kSmall && most <= kLarge)) return false;
-        longest = most > longest ? most : longest;
+        first[axis] = std::abs(p.direction[axis][0]);
+        p.is_negative[axis] = p.direction[axis][0] < 0.0f;
     }
-    const Range begins = range_of(p.t_min), ends = range_of(p.t);
-    if (!(begins.low >= 0.0f && begins.high <= ends.low)) return false;
-    const RayFrame first(rays[0]);
-    p.kx = first.kx, p.ky = first.ky, p.kz = first.kz;
-    bool is_uniform = true;
-    for (size_t k = 0; k < kPacketSize; ++k) {
-        const float x = std::abs(p.direction[0][k]), y = std::abs(p.direction[1][k]), z = std::abs(p.direction[2][k]);
-        const int kz = x > y ? (x > z ? 0 : 2) : (y > z ? 1 : 2);  // As RayFrame has it.
-        // `range_of` passes over a NaN; this does not.
-        is_uniform &= kz == p.kz && x >= kSmall && y >= kSmall && z >= kSmall && rays[k].t_min <= rays[k].t_max &&
-                      std::abs(p.origin[0][k]) <= kLarge && std::abs(p.origin[1][k]) <= kLarge &&
-                      std::abs(p.origin[2][k]) <= kLarge;
-    }
-    if (!is_uniform) return false;
+    p.kz = first.x > first.y ? (first.x > first.z ? 0 : 2) : (first.y > first.z ? 1 : 2);
+    p.kx = p.kz == 2 ? 0 : p.kz + 1;
+    p.ky = p.kx == 2 ? 0 : p.kx + 1;
+    if (p.is_negative[p.kz]) std::swap(p.kx, p.ky);
+    if (!is_uniform(p)) return false;
+    p.origin_spread = 0.0f;
     const RayTag d;
     const BoxTag box;
     for (int axis = 0; axis < 3; ++axis) {
-        if (!(directions[axis].high - directions[axis].low <= kMaxDirectionSpread * longest)) return false;
+        const Range origins = range_of(p.origin[axis]), directions = range_of(p.direction[axis]);
+        p.origin_spread = std::max(origins.high - origins.low, p.origin_spread);
+        if (!(directions.high - directions.low <= kMaxDirectionSpread * first[p.kz])) return false;
         for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
             hn::Store(hn::Div(hn::Set(d, 1.0f), hn::Load(d, p.direction[axis] + lane)), d, p.inverse[axis] + lane);
         }
-        const Range inverses = range_of(p.inverse[axis]);
+        // A reciprocal falls where what it is of rises, to the last bit.
+        const Range inverses = {1.0f / directions.high, 1.0f / directions.low};
         p.boxes.row[axis] = (2 * axis + (p.is_negative[axis] ? 1 : 0)) * kWidth;
-        p.boxes.near_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins[axis].low : origins[axis].high);
-        p.boxes.far_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins[axis].high : origins[axis].low);
+        p.boxes.near_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins.low : origins.high);
+        p.boxes.far_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins.high : origins.low);
         p.boxes.near_low[axis] = hn::Set(box, inverses.low);
         p.boxes.near_high[axis] = hn::Set(box, inverses.high);
         p.boxes.far_low[axis] = hn::Set(box, inverses.low * kCullPad);
@@ -137,6 +164,83 @@ HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
         hn::Store(hn::Load(d, p.inverse[p.kz] + lane), d, p.shear[2] + lane);
     }
     return true;
+}
+
+// extent     the size, by the sum of its sides, of what the rays are to be tested with.
+HWY_INLINE bool is_narrow(const Packet& packet, float extent) {
+    return packet.origin_spread <= kMaxOriginSpread * extent;
+}
+
+// Reads sixteen rays. Returns false for those that are better traced one by one, or must be.
+// extent     of the scene.
+HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
+    Packet& p = *packet;
+    bool has_ends = true;
+    for (size_t k = 0; k < kPacketSize; ++k) {
+        const Ray& ray = rays[k];
+        for (int axis = 0; axis < 3; ++axis) {
+            p.origin[axis][k] = ray.origin[axis];
+            p.direction[axis][k] = ray.direction[axis];
+        }
+        has_ends &= ray.t_min >= 0.0f && ray.t_min <= ray.t_max;
+        p.t_min[k] = ray.t_min;
+        p.t[k] = ray.t_max;
+        p.t_floor[k] = p.u[k] = p.v[k] = 0.0f;
+        p.id[k] = p.primitive[k] = kEmptyChild;
+    }
+    return has_ends && prepare(packet) && is_narrow(p, extent);
+}
+
+// Takes the rays that enter an instance's box into its space, by the operations of `entry` and of Affine; the others stand
+// where the first of these does, so that they widen nothing. Returns a bit for each that enters; where none does,
+// `local` is as it was.
+HWY_INLINE uint32_t transform(const PlacedBlas& placed, const Packet& world, Packet* local) {
+    const RayTag d;
+    using V = hn::Vec<RayTag>;
+    uint32_t entered = 0;
+    HWY_ALIGN float t_floor[kPacketSize];
+    for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
+        V in = hn::Zero(d), out = hn::Set(d, kInfinity);
+        for (int axis = 0; axis < 3; ++axis) {
+            const float lo = placed.bounds_world.lo[axis], hi = placed.bounds_world.hi[axis];
+            const V origin = hn::Load(d, world.origin[axis] + lane), inverse = hn::Load(d, world.inverse[axis] + lane);
+            in = larger(hn::Mul(hn::Sub(hn::Set(d, world.is_negative[axis] ? hi : lo), origin), inverse), in);
+            out = smaller(hn::Mul(hn::Sub(hn::Set(d, world.is_negative[axis] ? lo : hi), origin), inverse), out);
+        }
+        in = hn::Mul(in, hn::Set(d, 1.0f - kBoxPad));
+        out = hn::Mul(out, hn::Set(d, 1.0f + kBoxPad));
+        const auto is_entered =
+            hn::And(hn::And(hn::Le(in, out), hn::Le(in, hn::Load(d, world.t + lane))), hn::Lt(in, hn::Set(d, kInfinity)));
+        hn::Store(hn::IfThenElse(is_entered, in, hn::Set(d, kInfinity)), d, t_floor + lane);
+        uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, is_entered, bits);
+        entered |= static_cast<uint32_t>(bits[0] | bits[1] << 8) << lane;
+    }
+    if (entered == 0) return 0;
+    const int first = std::countr_zero(entered);
+    const glm::mat3& m = placed.local_from_world.linear;
+    for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
+        const V floor = hn::Load(d, t_floor + lane);
+        const auto is_entered = hn::Lt(floor, hn::Set(d, kInfinity));
+        V origin[3], direction[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            origin[axis] =
+                hn::IfThenElse(is_entered, hn::Load(d, world.origin[axis] + lane), hn::Set(d, world.origin[axis][first]));
+            direction[axis] = hn::IfThenElse(is_entered, hn::Load(d, world.direction[axis] + lane),
+                                             hn::Set(d, world.direction[axis][first]));
+        }
+        const auto times = [&](int row, const V* v) HWY_ATTR {
+            return hn::Add(hn::Add(hn::Mul(hn::Set(d, m[0][row]), v[0]), hn::Mul(hn::Set(d, m[1][row]), v[1])),
+                           hn::Mul(hn::Set(d, m[2][row]), v[2]));
+        };
+        for (int row = 0; row < 3; ++row) {
+            const V shift = hn::Set(d, placed.local_from_world.translation[row]);
+            hn::Store(hn::Add(times(row, origin), shift), d, local->origin[row] + lane);
+            hn::Store(times(row, direction), d, local->direction[row] + lane);
+        }
+        hn::Store(floor, d, local->t_floor + lane);
+    }
+    return entered;
 }
 
 // Tests a triangle against lanes [lane, lane + kRayLanes). Returns whether one of them found a hit that it keeps.
@@ -187,8 +291,7 @@ HWY_INLINE bool test_triangle(const TriangleBlock& block, int slot, uint32_t id,
     }
     in = hn::Mul(in, hn::Set(d, 1.0f - kBoxPad));
     out = hn::Mul(out, hn::Set(d, 1.0f + kBoxPad));
-    // The floor is 0 here: no transform lies between.
-    t = larger(in, larger(zero, t));
+    t = larger(in, larger(hn::Load(d, p.t_floor + lane), t));
     is_hit = hn::And(is_hit, hn::And(hn::Le(in, out), hn::Le(in, t_max)));
     is_hit = hn::And(is_hit, hn::And(hn::Ge(t, t_min), hn::Le(t, t_max)));
     is_hit = hn::And(is_hit, hn::Lt(t, infinity));
@@ -205,7 +308,8 @@ HWY_INLINE bool test_triangle(const TriangleBlock& block, int slot, uint32_t id,
         for (size_t k = 0; k < kRayLanes; ++k) {
             if ((edge_bits[k / 8] >> k % 8 & 1) == 0) continue;
             TriangleHit hit;
-            if (!intersect(RayFrame(p.rays[lane + k]), block.triangle(slot), 0.0f, p.t_min[lane + k], p.t[lane + k], &hit))
+            if (!intersect(RayFrame(p.ray(lane + k)), block.triangle(slot), p.t_floor[lane + k], p.t_min[lane + k],
+                           p.t[lane + k], &hit))
                 continue;
             ts[k] = hit.t, us[k] = hit.u, vs[k] = hit.v, found[k] = ~0u;
         }

@@ -125,16 +125,22 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, const Ray* ray
     }
 }
 
-// A packet's rays one by one through an instance of a space of its own, each from the hit that it has.
+// Those of a packet's rays that `which` has a bit for, in the space of an instance, one by one, each from the hit that it
+// has.
 template <bool kIsAny>
-HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, Packet& packet, Walk<kIsAny>& walk) {
-    for (size_t k = 0; k < kPacketSize; ++k) {
-        const Ray& ray = packet.rays[k];
-        if (kIsAny && packet.t[k] < 0.0f) continue;
-        walk.start(nullptr, {packet.t[k], packet.u[k], packet.v[k], packet.id[k], packet.primitive[k]}, ray.t_min);
-        walk.world.set(SlabRay(ray), ray.direction);
-        if (!enter_instance(walk, placed, ray)) continue;
-        walk.world = walk.local;
+HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, uint32_t which, Packet& packet, Walk<kIsAny>& walk) {
+    walk.blocks = placed.blas->blocks.data();
+    walk.id = placed.id;
+    walk.is_in_instance = true;
+    for (; which != 0; which &= which - 1) {
+        const int k = std::countr_zero(which);
+        const Ray ray = packet.ray(k);
+        const SlabRay slabs(ray);
+        if (!slabs.is_valid) continue;
+        walk.start(placed.blas->tree.nodes.data(),
+                   {packet.t[k], packet.u[k], packet.v[k], packet.id[k], packet.primitive[k]}, packet.t_min[k]);
+        walk.world.set(slabs, ray.direction);
+        walk.t_floor = packet.t_floor[k];
         trace<kIsAny>(walk, nullptr, nullptr);
         if (!walk.is_found) continue;
         packet.t[k] = kIsAny ? -1.0f : walk.hit.t;
@@ -145,69 +151,99 @@ HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, Packet& packet, Walk<
     }
 }
 
-// Takes sixteen rays through the scene together.
+// A packet on its way.
 template <bool kIsAny>
-HWY_INLINE void trace_packet(const TwoLevels& scene, Packet& packet, Walk<kIsAny>& walk) {
-    const Stack bottom = walk.stack;
-    Stack stack = bottom;
-    stack.size = 0;
-    const WideNode* nodes = scene.top->nodes.data();
+struct PacketWalk {
+    const TwoLevels& scene;
+    Packet &world, &local;
+    Walk<kIsAny>& single;  // For rays that are better traced one by one.
+    Packet* packet;        // In the space where the walk is.
+    Stack stack;
+    const WideNode* nodes;
     const TriangleBlock* blocks = nullptr;
-    uint32_t id = 0, at = 0, limit_key = 0;
-    float limit = 0.0f;
+    uint32_t id = 0;
+    float limit = 0.0f;  // As in Walk, of the ray that sees farthest.
+    uint32_t limit_key = 0;
+    size_t leave_size = 0;  // Of the stack when all that is left is to leave this space.
     bool is_in_instance = false;
-    const auto set_limit = [&]() HWY_ATTR {
-        limit = range_of(packet.t).high * kCullPad;
+
+    void set_limit() {
+        limit = farthest(*packet) * kCullPad;
         limit_key = std::bit_cast<uint32_t>(limit) | kSlotMask;
-        return limit >= 0.0f;
-    };
-    set_limit();
+    }
+    void enter_space(Packet* next, size_t size) {
+        packet = next;
+        leave_size = size;
+        set_limit();
+    }
+};
+
+// Returns false where the packet does not go on from the root of the instance's tree.
+template <bool kIsAny>
+HWY_INLINE bool enter_instance(PacketWalk<kIsAny>& walk, const PlacedBlas& placed) {
+    Stack& stack = walk.stack;
+    if (!placed.is_identity) {
+        const uint32_t entered = transform(placed, walk.world, &walk.local);
+        if (entered == 0) return false;
+        const glm::vec3 size = placed.bounds_world.extent();
+        if (std::popcount(entered) < kFewRays || !is_narrow(walk.world, size.x + size.y + size.z) || !prepare(&walk.local)) {
+            const Stack bottom = walk.single.stack;
+            walk.single.stack = {stack.keys + stack.size, stack.children + stack.size};
+            trace_one_by_one(placed, entered, walk.local, walk.single);
+            walk.single.stack = bottom;
+            walk.set_limit();
+            return false;
+        }
+    }
+    if (stack.size > 0) {
+        stack.keys[stack.size] = 0;
+        stack.children[stack.size++] = kLeave;
+    }
+    if (!placed.is_identity) walk.enter_space(&walk.local, stack.size);
+    walk.nodes = placed.blas->tree.nodes.data();
+    walk.blocks = placed.blas->blocks.data();
+    walk.id = placed.id;
+    walk.is_in_instance = true;
+    return true;
+}
+
+// Takes sixteen rays through the scene together.
+// local      its contents are scratch.
+template <bool kIsAny>
+HWY_INLINE void trace_packet(const TwoLevels& scene, Packet& world, Packet& local, Walk<kIsAny>& single) {
+    PacketWalk<kIsAny> walk{scene, world, local, single, &world, single.stack, scene.top->nodes.data()};
+    Stack& stack = walk.stack;
+    stack.size = 0;
+    walk.set_limit();
+    uint32_t at = 0;
     for (;;) {
         bool has_next = false;
         if (!is_leaf(at)) {
-            ++walk.counts.nodes;
-            has_next = next_child<kIsAny>(nodes[at], packet.boxes, limit, &stack, &at);
+            ++single.counts.nodes;
+            has_next = next_child<kIsAny>(walk.nodes[at], walk.packet->boxes, walk.limit, &stack, &at);
         } else if (at == kLeave) {
-            is_in_instance = false;
-            nodes = scene.top->nodes.data();
-        } else if (is_in_instance) {
+            walk.is_in_instance = false;
+            walk.nodes = scene.top->nodes.data();
+            if (walk.packet != &world) walk.enter_space(&world, 0);
+        } else if (walk.is_in_instance) {
             bool is_found = false;
             for (uint32_t k = 0; k < block_count(at); ++k) {
-                walk.counts.triangles += TriangleBlock::kSize;
-                is_found |= test_block<kIsAny>(blocks[first_block(at) + k], id, &packet);
+                single.counts.triangles += TriangleBlock::kSize;
+                is_found |= test_block<kIsAny>(walk.blocks[first_block(at) + k], walk.id, walk.packet);
             }
-            if (is_found && !set_limit()) break;
+            if (is_found) walk.set_limit();
         } else {
-            const PlacedBlas& placed = scene.instances[first_block(at)];
-            if (placed.is_identity) {
-                if (stack.size > 0) {
-                    stack.keys[stack.size] = 0;
-                    stack.children[stack.size++] = kLeave;
-                }
-                nodes = placed.blas->tree.nodes.data();
-                blocks = placed.blas->blocks.data();
-                id = placed.id;
-                is_in_instance = true;
-                at = 0;
-                has_next = true;
-            } else {
-                walk.stack.keys = bottom.keys + stack.size;
-                walk.stack.children = bottom.children + stack.size;
-                trace_one_by_one(placed, packet, walk);
-                if (!set_limit()) break;
-            }
+            has_next = enter_instance(walk, scene.instances[first_block(at)]);
+            at = 0;
         }
         if (has_next) continue;
+        if (kIsAny && walk.limit < 0.0f) stack.size = walk.leave_size;  // No ray looks for more in this space.
         do {
-            if (stack.size == 0) {
-                walk.stack = bottom;
-                return;
-            }
+            if (stack.size == 0) return;
             --stack.size;
-        } while (!kIsAny && stack.keys[stack.size] > limit_key);
+        } while (!kIsAny && stack.keys[stack.size] > walk.limit_key);
         at = stack.children[stack.size];
     }
-    walk.stack = bottom;
 }
 
 }  // namespace HWY_NAMESPACE

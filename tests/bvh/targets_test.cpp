@@ -3,9 +3,9 @@
 #include <bit>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "engine/bvh/traverse.h"
+#include "tests/bvh/each_target.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 
@@ -13,23 +13,6 @@ namespace zoe::test {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
-
-/// Runs a body with each instruction set that this processor has and the kernels are compiled for.
-template <typename Body>
-void on_each_target(Body&& body) {
-    std::vector<std::string> seen;
-    for (const int64_t target : {HWY_EMU128, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
-        hwy::SetSupportedTargetsForTest(0);
-        if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
-        hwy::SetSupportedTargetsForTest(target);
-        SCOPED_TRACE(simd_target());
-        for (const std::string& other : seen) EXPECT_NE(other, simd_target());
-        seen.emplace_back(simd_target());
-        body();
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    EXPECT_GE(seen.size(), 2u);
-}
 
 bool is_same_hit(const RawHit& hit, const BlasHit& expected) {
     const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };

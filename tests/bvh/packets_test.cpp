@@ -1,0 +1,289 @@
+// Packets through instances: the hits of the loop over all triangles of all instances, bit for bit, and less work than the
+// rays have one by one.
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+#include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "engine/bvh/build_agglomerative.h"
+#include "engine/bvh/traverse.h"
+#include "tests/bvh/each_target.h"
+#include "tests/bvh/inputs.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+/// One mesh, placed many times.
+/// box_scale  Less than 1: the copies' boxes in the world hold only their middles, and cut off what stands out.
+class Copies {
+public:
+    Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale = 1.0f) : mesh_(std::move(mesh)) {
+        build_blas(mesh_.positions, mesh_.corners, BlasBuilder::kSweep, &blas_);
+        std::vector<Aabb> boxes;
+        std::vector<PlacedBlas> placed;
+        for (const Affine& map : world_from_local) {
+            const bool is_identity = map == Affine{};
+            const Aabb box = blas_.tree.bounds();
+            PlacedBlas one{
+                .bounds_world = is_identity ? box : transform(map, box), .blas = &blas_, .is_identity = is_identity};
+            if (!is_identity && !invert(map, &one.local_from_world)) ADD_FAILURE() << "a map without an inverse";
+            const glm::vec3 cut = 0.5f * (1.0f - box_scale) * one.bounds_world.extent();
+            one.bounds_world = {one.bounds_world.lo + cut, one.bounds_world.hi - cut};
+            // Lower ids last, so that ties are not broken by the order alone.
+            one.id = static_cast<uint32_t>(world_from_local.size() - placed.size());
+            placed.push_back(one);
+            boxes.push_back(one.bounds_world);
+        }
+        std::vector<uint32_t> slots;
+        CollapseScratch scratch;
+        collapse(build_agglomerative(boxes, {}), {.block_size = 1, .max_leaf_blocks = 1}, &top_, &slots, &scratch);
+        for (const uint32_t slot : slots) placed_.push_back(placed[slot]);
+        levels_ = {&top_, placed_.data(), top_.stack_size() + blas_.tree.stack_size() + 1};
+    }
+    Copies(const Copies&) = delete;
+
+    const TwoLevels& levels() const { return levels_; }
+    const std::vector<PlacedBlas>& placed() const { return placed_; }
+    const TestMesh& mesh() const { return mesh_; }
+
+    /// By trying every triangle of every copy.
+    RawHit brute_force(const Ray& ray) const {
+        RawHit best{.t = ray.t_max};
+        const SlabRay world(ray);
+        if (world.is_valid && ray.t_min <= ray.t_max) {
+            for (const PlacedBlas& placed : placed_) improve(placed, world, ray, &best);
+        }
+        return best.id == kEmptyChild ? RawHit{} : best;
+    }
+
+private:
+    void improve(const PlacedBlas& placed, const SlabRay& world, const Ray& ray, RawHit* best) const {
+        float t_floor = 0.0f;
+        Ray local = ray;
+        if (!placed.is_identity) {
+            t_floor = entry(world, placed.bounds_world.lo, placed.bounds_world.hi, best->t);
+            local.origin = placed.local_from_world.point(ray.origin);
+            local.direction = placed.local_from_world.vector(ray.direction);
+        }
+        const RayFrame frame(local);
+        if (!frame.is_valid) return;
+        for (uint32_t primitive = 0; primitive < mesh_.corners.size(); ++primitive) {
+            TriangleHit hit;
+            if (!intersect(frame, mesh_.triangle(primitive), t_floor, ray.t_min, best->t, &hit)) continue;
+            if (std::tuple(hit.t, placed.id, primitive) >= std::tuple(best->t, best->id, best->primitive)) continue;
+            *best = {hit.t, hit.u, hit.v, placed.id, primitive};
+        }
+    }
+
+    TestMesh mesh_;
+    Blas blas_;
+    WideBvh top_;
+    std::vector<PlacedBlas> placed_;
+    TwoLevels levels_;
+};
+
+/// Packets of rays from near one point to near another, in a copy or beside it.
+std::vector<Ray> coherent_rays(const Copies& copies, int packet_count, uint64_t seed) {
+    std::vector<Ray> rays;
+    Rng rng(seed);
+    const auto count = static_cast<uint32_t>(copies.placed().size());
+    const Aabb all = copies.levels().top->bounds();
+    for (int packet = 0; packet < packet_count; ++packet) {
+        const Aabb& box = copies.placed()[rng.below(count)].bounds_world;
+        const float size = 0.3f * glm::length(box.extent());
+        const glm::vec3 eye = all.centre() + random_direction(rng) * all.extent();
+        const glm::vec3 target = box.centre() + rng.uniform(0.0f, 1.5f) * size * random_direction(rng);
+        const float origin_spread = rng.below(2) ? 0.0f : 0.01f * glm::length(all.extent());
+        const float target_spread = rng.below(3) ? 0.2f * size : 3.0f * size;
+        for (int k = 0; k < 16; ++k) {
+            Ray ray{.origin = eye + origin_spread * random_direction(rng)};
+            ray.direction = target + target_spread * random_direction(rng) - ray.origin;
+            rays.push_back(ray);
+        }
+    }
+    return rays;
+}
+
+bool is_same(const RawHit& a, const RawHit& b) {
+    const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+    return bits(a.t) == bits(b.t) && bits(a.u) == bits(b.u) && bits(a.v) == bits(b.v) && a.id == b.id &&
+           a.primitive == b.primitive;
+}
+
+/// Returns how many of the rays hit something.
+int expect_batches_right(const Copies& copies, const std::vector<Ray>& rays) {
+    std::vector<RawHit> expected;
+    for (const Ray& ray : rays) expected.push_back(copies.brute_force(ray));
+    on_each_target([&] {
+        std::vector<RawHit> hits(rays.size());
+        std::vector<uint8_t> is_hit(rays.size(), 2);
+        closest_hits(copies.levels(), rays, hits.data(), nullptr);
+        any_hits(copies.levels(), rays, is_hit.data(), nullptr);
+        for (size_t k = 0; k < rays.size(); ++k) {
+            ASSERT_TRUE(is_same(hits[k], expected[k]))
+                << "ray " << k << ": t " << hits[k].t << " of " << hits[k].id << ", " << hits[k].primitive << "; expected "
+                << expected[k].t << " of " << expected[k].id << ", " << expected[k].primitive;
+            ASSERT_EQ(is_hit[k], expected[k].id != kEmptyChild) << "ray " << k;
+            RawHit single;
+            closest_hits(copies.levels(), {&rays[k], 1}, &single, nullptr);
+            ASSERT_TRUE(is_same(single, expected[k])) << "alone, ray " << k;
+        }
+    });
+    return static_cast<int>(std::ranges::count_if(expected, [](const RawHit& hit) { return hit.id != kEmptyChild; }));
+}
+
+std::vector<Affine> random_affines(int count, double scale_lo, double scale_hi, float translation, uint64_t seed) {
+    Rng rng(seed);
+    std::vector<Affine> maps;
+    for (int k = 0; k < count; ++k) maps.push_back(random_affine(rng, scale_lo, scale_hi, translation));
+    return maps;
+}
+
+TEST(Packets, GoThroughTurnedMirroredShearedAndScaledCopies) {
+    for (const uint64_t seed : {151, 152, 153, 154}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        // Of sizes that are alike, then of all sizes, a third of them overlapping.
+        const double spread = seed % 2 == 0 ? 2.0 : 100.0;
+        std::vector<Affine> maps = random_affines(20, 1.0 / spread, spread, 30.0f, seed);
+        maps.push_back(Affine{});
+        const Copies copies(random_soup(150, 2.0f, seed + 100), maps);
+        const std::vector<Ray> rays = coherent_rays(copies, 150, seed + 200);
+        const int hits = expect_batches_right(copies, rays);
+        EXPECT_GT(hits, int(rays.size()) / 10);
+        EXPECT_LT(hits, int(rays.size()));
+    }
+}
+
+TEST(Packets, FindNothingInFrontOfACopysBoxNorBesideIt) {
+    const Copies copies(random_soup(150, 2.0f, 155), random_affines(20, 0.5, 2.0, 30.0f, 156), 0.4f);
+    const std::vector<Ray> rays = coherent_rays(copies, 200, 157);
+    EXPECT_GT(expect_batches_right(copies, rays), int(rays.size()) / 10);
+}
+
+// Half of the rays end in one copy, the others in the other.
+TEST(Packets, GoOnWhenAllThatAreInACopyAreDone) {
+    Affine left = random_affines(1, 0.9, 1.1, 0.0f, 158)[0], right = left;
+    left.translation.x = -25.0f;
+    right.translation.x = 25.0f;
+    const Copies copies(random_soup(1500, 3.0f, 159), {left, right});
+    Rng rng(160);
+    std::vector<Ray> rays;
+    const glm::vec3 eye(300.0f, 280.0f, 600.0f);
+    for (int k = 0; k < 16 * 60; ++k) {
+        const glm::vec3 target = (k % 2 == 0 ? left : right).translation + random_point(rng, 2.0f);
+        rays.push_back({.origin = eye, .direction = target - eye});
+    }
+    EXPECT_GT(expect_batches_right(copies, rays), 16 * 50);
+}
+
+TEST(Packets, CopiesInOnePlaceAreToldApartByTheirIds) {
+    const Affine map = random_affines(1, 0.5, 2.0, 5.0f, 161)[0];
+    const Copies copies(random_soup(150, 2.0f, 162), {map, map, map, map});
+    const std::vector<Ray> rays = coherent_rays(copies, 100, 163);
+    EXPECT_GT(expect_batches_right(copies, rays), 100);
+    for (const Ray& ray : rays) {
+        const RawHit hit = copies.brute_force(ray);
+        ASSERT_TRUE(hit.id == 1 || hit.id == kEmptyChild);
+    }
+}
+
+// Rays along (1, 1, z) have no x in a space where x is the world's x - y; others there change signs or their longest axis.
+TEST(Packets, MayHaveZeroAndMixedSignsInsideOfACopy) {
+    Affine local_from_world;
+    local_from_world.linear = glm::mat3({1, 0, 0}, {-1, 1, 0}, {0, 0, 1});
+    Affine first, turned;
+    ASSERT_TRUE(invert(local_from_world, &first));
+    local_from_world.linear = glm::mat3({1, 0, 1}, {-1, 1, 0}, {0, 0, -1});
+    ASSERT_TRUE(invert(local_from_world, &turned));
+    turned.translation = {0, 0, -12};
+    const Copies copies(random_soup(400, 2.0f, 171), {first, turned});
+    Rng rng(172);
+    std::vector<Ray> rays;
+    for (int packet = 0; packet < 200; ++packet) {
+        const glm::vec3 target = random_point(rng, 6.0f);
+        const bool is_exact = rng.below(2);
+        for (int k = 0; k < 16; ++k) {
+            glm::vec3 direction{1.0f, 1.0f, 1.0f + rng.uniform(0.0f, 0.1f)};
+            if (!is_exact) direction.y += rng.uniform(-0.05f, 0.05f);
+            rays.push_back({.origin = target - 32.0f * glm::vec3(1, 1, 1), .direction = direction});
+        }
+    }
+    EXPECT_GT(expect_batches_right(copies, rays), 300);
+}
+
+TEST(Packets, MayHaveEndsAndBeNoRaysAmongThem) {
+    std::vector<Affine> maps = random_affines(12, 0.3, 3.0, 15.0f, 181);
+    const Copies copies(random_soup(150, 2.0f, 182), maps);
+    std::vector<Ray> rays = coherent_rays(copies, 300, 183);
+    Rng rng(184);
+    const float nan = std::nanf("");
+    for (size_t packet = 0; packet < rays.size(); packet += 16) {
+        const bool has_bad = rng.below(3) == 0, has_ends = rng.below(2);
+        for (size_t k = packet; k < packet + 16; ++k) {
+            Ray& ray = rays[k];
+            if (has_ends && rng.below(2)) ray.t_min = rng.uniform(0.0f, 1.2f);
+            if (has_ends && rng.below(2)) ray.t_max = rng.uniform(0.0f, 1.5f);
+            if (!has_bad || rng.below(10) != 0) continue;
+            ray.direction[int(rng.below(3))] = rng.below(2) ? nan : 0.0f;
+            if (rng.below(3) == 0) ray.origin[int(rng.below(3))] = rng.below(2) ? nan : kInf;
+            if (rng.below(3) == 0) (rng.below(2) ? ray.t_min : ray.t_max) = nan;
+        }
+    }
+    expect_batches_right(copies, rays);
+}
+
+// In such a space the products of a packet's tests may not be finite, or rays be no rays at all.
+TEST(Packets, MayMeetCopiesOfAnySize) {
+    std::vector<Affine> maps;
+    for (const float scale : {1e-18f, 1e-12f, 1e-3f, 1.0f, 1e3f, 1e12f, 1e18f}) {
+        Affine map = random_affines(1, 0.5, 2.0, 0.0f, 191)[0];
+        map.linear *= scale;
+        maps.push_back(map);
+    }
+    const Copies copies(random_soup(150, 2.0f, 192), maps);
+    Rng rng(193);
+    std::vector<Ray> rays;
+    for (int packet = 0; packet < 200; ++packet) {
+        const float size = log_uniform(rng, 1e-18, 1e14);
+        const glm::vec3 eye = 20.0f * size * random_direction(rng), target = random_point(rng, 5.0f * size);
+        for (int k = 0; k < 16; ++k) {
+            rays.push_back({.origin = eye, .direction = target + random_point(rng, size) - eye});
+        }
+    }
+    EXPECT_GT(expect_batches_right(copies, rays), 100);
+}
+
+TEST(Packets, ShareTheirWayThroughCopies) {
+    std::vector<Affine> maps = random_affines(30, 0.7, 1.4, 60.0f, 201);
+    const Copies copies(random_soup(3000, 1.0f, 202), maps);
+    Rng rng(203);
+    std::vector<Ray> rays;
+    for (int packet = 0; packet < 300; ++packet) {
+        const glm::vec3 eye = 150.0f * random_direction(rng), target = random_point(rng, 60.0f);
+        for (int k = 0; k < 16; ++k) {
+            rays.push_back({.origin = eye, .direction = target + 0.2f * random_direction(rng) - eye});
+        }
+    }
+    on_each_target([&] {
+        TraverseCounts together, alone;
+        std::vector<RawHit> hits(rays.size());
+        closest_hits(copies.levels(), rays, hits.data(), &together);
+        for (size_t k = 0; k < rays.size(); ++k) closest_hits(copies.levels(), {&rays[k], 1}, &hits[k], &alone);
+        EXPECT_LT(together.nodes, alone.nodes / 5);
+        EXPECT_LT(together.triangles, alone.triangles / 3);
+        TraverseCounts any_together, any_alone;
+        std::vector<uint8_t> is_hit(rays.size());
+        any_hits(copies.levels(), rays, is_hit.data(), &any_together);
+        for (size_t k = 0; k < rays.size(); ++k) any_hits(copies.levels(), {&rays[k], 1}, &is_hit[k], &any_alone);
+        EXPECT_LT(any_together.nodes, any_alone.nodes / 3);
+    });
+}
+
+}  // namespace
+}  // namespace zoe::test
