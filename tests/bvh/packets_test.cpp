@@ -166,6 +166,22 @@ TEST(Packets, FindNothingInFrontOfACopysBoxNorBesideIt) {
     EXPECT_GT(expect_batches_right(copies, rays), int(rays.size()) / 10);
 }
 
+// Half of the rays end in one copy, the others in the other.
+TEST(Packets, GoOnWhenAllThatAreInACopyAreDone) {
+    Affine left = random_affines(1, 0.9, 1.1, 0.0f, 158)[0], right = left;
+    left.translation.x = -25.0f;
+    right.translation.x = 25.0f;
+    const Copies copies(random_soup(1500, 3.0f, 159), {left, right});
+    Rng rng(160);
+    std::vector<Ray> rays;
+    const glm::vec3 eye(300.0f, 280.0f, 600.0f);
+    for (int k = 0; k < 16 * 60; ++k) {
+        const glm::vec3 target = (k % 2 == 0 ? left : right).translation + random_point(rng, 2.0f);
+        rays.push_back({.origin = eye, .direction = target - eye});
+    }
+    EXPECT_GT(expect_batches_right(copies, rays), 16 * 50);
+}
+
 TEST(Packets, CopiesInOnePlaceAreToldApartByTheirIds) {
     const Affine map = random_affines(1, 0.5, 2.0, 5.0f, 161)[0];
     const Copies copies(random_soup(150, 2.0f, 162), {map, map, map, map});
