@@ -140,9 +140,11 @@ void fill_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<c
     const CollapseConfig config{.block_size = TriangleBlock::kSize, .has_duplicates = blas->has_pieces};
     collapse(bvh, config, &blas->tree, &scratch->slots, &scratch->collapse);
     blas->blocks.resize(scratch->slots.size() / TriangleBlock::kSize);
-    for (size_t k = 0; k < scratch->slots.size(); ++k) {
-        blas->blocks[k / TriangleBlock::kSize].primitive[k % TriangleBlock::kSize] = scratch->slots[k];
-    }
+    parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            std::copy_n(&scratch->slots[k * TriangleBlock::kSize], TriangleBlock::kSize, blas->blocks[k].primitive);
+        }
+    });
     blas->triangle_count = static_cast<uint32_t>(corners.size());
     place_triangles(positions, corners, blas);
 }

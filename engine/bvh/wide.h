@@ -66,18 +66,26 @@ struct CollapseConfig {
 struct CollapseScratch {
     struct Plan {
         float costs[kWidth - 1];  ///< [k] the least cost of the subtree as a forest of at most k + 1 trees.
-        uint32_t primitive_count;
+        uint32_t primitive_count : 31, is_leaf : 1;  ///< As one tree it is a leaf.
+    };
+    /// What neighbours on a level are made into, apart from all others.
+    struct Part {
+        std::vector<uint32_t> next;       ///< Binary nodes of the level below, in the order of their wide nodes.
+        std::vector<uint32_t> slots;      ///< Of the part's leaves.
+        std::vector<uint32_t> below;      ///< Nodes of a subtree that are still to be visited.
+        uint32_t first_next, first_slot;  ///< Where these two go.
     };
     std::vector<Plan> plans;           ///< [binary nodes]
     std::vector<uint32_t> open, next;  ///< Binary nodes of a level, in the order of their wide nodes.
-    std::vector<uint32_t> below;       ///< Nodes of a subtree that are still to be visited.
+    std::vector<Part> parts;           ///< Of a level.
 };
 
 /// Makes the wide tree of a binary one: the one of least SAH cost among all that join the binary tree's nodes, its leaves
 /// counted in blocks.
 /// slots      result: [blocks * block_size] primitives block by block; kEmptyChild where a leaf's last block is not full.
 /// Requires   binary leaves of at most max_leaf_blocks * block_size primitives.
-/// Cost       O(nodes); no allocation where `wide`, `slots` and `scratch` are large enough.
+/// Cost       O(nodes), in parallel; no allocation where `wide`, `slots` and `scratch` are large enough. The same tree
+///            whatever the number of threads.
 /// Source     Ylitie, Karras, Laine. Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs. HPG 2017.
 ///            Deviation: full boxes, leaves of any size, and all children of a level side by side.
 void collapse(const Bvh& bvh, const CollapseConfig& config, WideBvh* wide, std::vector<uint32_t>* slots,
