@@ -13,9 +13,9 @@ struct Case {
     BlasBuilder builder;
 };
 constexpr Case kCases[] = {{"sweep", BlasBuilder::kSweep},
-                            {"binned", BlasBuilder::kBinned},
-                            {"reinserted", BlasBuilder::kReinserted},
-                            {"SBVH", BlasBuilder::kSbvh}};
+                           {"binned", BlasBuilder::kBinned},
+                           {"reinserted", BlasBuilder::kReinserted},
+                           {"SBVH", BlasBuilder::kSbvh}};
 
 TEST(Memory, OfABuildIsAtMostTwoAndAHalfTimesThatOfItsTree) {
     const TestMesh mesh = random_soup(200'000, 0.02f, 171);
