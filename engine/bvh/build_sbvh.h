@@ -5,8 +5,7 @@
 namespace zoe {
 
 struct SbvhConfig {
-    float max_reference_growth =
-        1.3f;                   ///< At least 1: leaves hold at most this many times as many references as primitives.
+    float max_reference_growth = 1.3f;  ///< Leaves hold at most this many times as many references as primitives; >= 1.
     float min_overlap = 1e-4f;  ///< Spatial splits are tried where children overlap by more than this, of the root's area.
     int bin_count = 32;         ///< Spatial bins an axis, 2 to 64.
     int max_leaf_size = 8;      ///< A leaf with more references is split even where that does not pay.

@@ -16,10 +16,10 @@ struct Method {
 
 // By motion class: what its BLAS is built with, and what moving vertices do to it.
 constexpr Method kMethods[kMotionCount] = {
-    {BlasBuilder::kSweep, false},   // static: built once
-    {BlasBuilder::kSweep, false},   // rigid: built once, rays are transformed
-    {BlasBuilder::kSweep, true},    // deforming
-    {BlasBuilder::kBinned, false},  // arbitrary
+    {BlasBuilder::kReinserted, false},  // static: built once
+    {BlasBuilder::kReinserted, false},  // rigid: built once, rays are transformed
+    {BlasBuilder::kSweep, true},        // deforming
+    {BlasBuilder::kBinned, false},      // arbitrary
 };
 
 enum class Action { kKeep, kRefit, kRebuild };
