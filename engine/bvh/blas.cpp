@@ -16,7 +16,7 @@ namespace zoe {
 
 namespace {
 
-// Rebuilt often: half the nodes of a tree that counts triangles one by one, a seventh less memory, and within 2 % of its
+// Rebuilt often: half the nodes of a tree that counts triangles one by one, a tenth less memory, and within 2 % of its
 // wide tree's SAH. A binary node is about half of a block's work once eight of them are joined.
 constexpr BinnedConfig kBinned{.block_size = TriangleBlock::kSize, .node_cost = 0.5f};
 

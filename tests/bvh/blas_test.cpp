@@ -1,10 +1,13 @@
 #include "engine/bvh/blas.h"
 
 #include <algorithm>
+#include <cstring>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "engine/bvh/build_sbvh.h"
+#include "engine/math/parallel.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 
@@ -93,6 +96,34 @@ TEST(Blas, CountsTrianglesThatAreNotFinite) {
         refit_blas(broken->positions, broken->corners, &blas);
         EXPECT_EQ(blas.not_finite_count, 400u);
     }
+}
+
+TEST(Blas, IsTheSameOnAnyNumberOfThreads) {
+    TestMesh mesh = random_soup(30000, 0.3f, 88);
+    Rng rng(88);
+    for (int k = 0; k < 100; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
+    const auto bytes = [](const auto& array) {
+        return std::string_view(reinterpret_cast<const char*>(array.data()), array.size() * sizeof(array[0]));
+    };
+    for (const BlasBuilder builder : kBuilders) {
+        Blas reference;
+        set_thread_count(1);
+        build_blas(mesh.positions, mesh.corners, builder, &reference);
+        for (const int threads : {2, 4}) {
+            set_thread_count(threads);
+            Blas blas;
+            build_blas(mesh.positions, mesh.corners, builder, &blas);
+            EXPECT_EQ(blas.tree.level_ends, reference.tree.level_ends);
+            ASSERT_EQ(blas.tree.nodes.size(), reference.tree.nodes.size());
+            for (size_t k = 0; k < blas.tree.nodes.size(); ++k) {
+                const WideNode &node = blas.tree.nodes[k], &expected = reference.tree.nodes[k];
+                ASSERT_EQ(std::memcmp(node.planes, expected.planes, sizeof node.planes), 0);
+                ASSERT_EQ(std::memcmp(node.child, expected.child, sizeof node.child), 0);
+            }
+            EXPECT_TRUE(bytes(blas.blocks) == bytes(reference.blocks));
+        }
+    }
+    set_thread_count(0);
 }
 
 TEST(Blas, OfPiecesHoldsATriangleInSeveralLeavesAndOnceInEach) {
