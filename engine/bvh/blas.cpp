@@ -15,6 +15,16 @@ namespace {
 
 constexpr size_t kGrain = 4096, kBlockGrain = 1024, kNodeGrain = 256;
 
+// How `build_blas` builds. Static, so that padding is zero where settings are compared by their bytes.
+constexpr SweepConfig kSweepConfig;
+constexpr BinnedConfig kBinnedConfig;
+constexpr CollapseConfig kCollapseConfig{.block_size = TriangleBlock::kSize};
+
+template <typename Config>
+std::string bytes_of(const Config& config) {
+    return {reinterpret_cast<const char*>(&config), sizeof config};
+}
+
 bool is_finite(const Triangle& t) {
     return zoe::is_finite(t.a) && zoe::is_finite(t.b) && zoe::is_finite(t.c);
 }
@@ -39,7 +49,9 @@ void set_corner(TriangleBlock* block, uint32_t slot, int corner, const glm::vec3
     for (int axis = 0; axis < 3; ++axis) block->corners[3 * corner + axis][slot] = p[axis];
 }
 
-// Puts this frame's triangles into the blocks; those that are not finite go in as NaN.
+}  // namespace
+
+// Triangles that are not finite go in as NaN.
 void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
     std::atomic<uint32_t> not_finite_count{0};
     parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
@@ -66,6 +78,8 @@ void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::
     });
     blas->not_finite_count = not_finite_count;
 }
+
+namespace {
 
 // Comparisons with NaN are false: slots without a finite triangle add nothing.
 Aabb bounds(const TriangleBlock* blocks, uint32_t count) {
@@ -109,6 +123,16 @@ void fit_leaves(Blas* blas) {
 
 }  // namespace
 
+std::string settings(BlasBuilder builder) {
+    switch (builder) {
+        case BlasBuilder::kSweep:
+            return "sweep" + bytes_of(kSweepConfig) + bytes_of(kCollapseConfig);
+        case BlasBuilder::kBinned:
+            return "binned" + bytes_of(kBinnedConfig) + bytes_of(kCollapseConfig);
+    }
+    return "";
+}
+
 Triangle TriangleBlock::triangle(int slot) const {
     const auto corner = [&](int k) {
         return glm::vec3(corners[3 * k][slot], corners[3 * k + 1][slot], corners[3 * k + 2][slot]);
@@ -118,7 +142,7 @@ Triangle TriangleBlock::triangle(int slot) const {
 
 void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch) {
-    collapse(bvh, {.block_size = TriangleBlock::kSize}, &blas->tree, &scratch->slots, &scratch->collapse);
+    collapse(bvh, kCollapseConfig, &blas->tree, &scratch->slots, &scratch->collapse);
     blas->blocks.resize(scratch->slots.size() / TriangleBlock::kSize);
     for (size_t k = 0; k < scratch->slots.size(); ++k) {
         blas->blocks[k / TriangleBlock::kSize].primitive[k % TriangleBlock::kSize] = scratch->slots[k];
@@ -130,8 +154,8 @@ void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<c
 void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas,
                 BlasScratch* scratch) {
     fit_boxes(positions, corners, &scratch->boxes);
-    scratch->bvh = builder == BlasBuilder::kSweep ? build_sweep(scratch->boxes, {}, std::move(scratch->bvh))
-                                                  : build_binned(scratch->boxes, {}, std::move(scratch->bvh));
+    scratch->bvh = builder == BlasBuilder::kSweep ? build_sweep(scratch->boxes, kSweepConfig, std::move(scratch->bvh))
+                                                  : build_binned(scratch->boxes, kBinnedConfig, std::move(scratch->bvh));
     make_blas(scratch->bvh, positions, corners, blas, scratch);
 }
 
