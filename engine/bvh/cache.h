@@ -59,8 +59,8 @@ private:
 /// Meshes with fewer triangles are built faster than any file is opened: not worth a key.
 inline constexpr size_t kFewestCachedTriangles = 256;
 
-/// Whether building a tree took longer than loading it will. The load is predicted, not measured: the time to open a file,
-/// and its bytes from a slow disk. A wrong guess costs time only.
+/// Whether building a tree took longer than loading it will. The load is predicted from its bytes, not measured: whether
+/// the disk and memory will be warm is not known. A wrong guess costs time only.
 bool is_worth_keeping(double build_ms, const Blas& blas);
 
 /// Where a user's programs keep such things: zoetrope in $XDG_CACHE_HOME, or else in $HOME/.cache; empty where neither is an

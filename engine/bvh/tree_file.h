@@ -32,7 +32,8 @@ std::string write_tree(int file, const Hash128& key, const Blas& blas);
 /// positions, corners   of the mesh that the key was made of.
 /// blas       result; left as it is where something is wrong.
 /// Returns    what is wrong with the file in words, empty when nothing is.
-/// Cost       O(file), read straight to where rays will walk: the pages of a mapped file would be small ones.
+/// Cost       O(file), read straight to where rays will walk. A mapped file's pages would be small, and gone with a signal
+///            where someone else cuts it short.
 std::string read_tree(int file, const Hash128& key, std::span<const glm::vec3> positions,
                       std::span<const glm::uvec3> corners, Blas* blas);
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "engine/bvh/cache.h"
@@ -42,6 +44,11 @@ inline std::string read_bytes(const std::filesystem::path& file) {
     std::ostringstream bytes;
     bytes << std::ifstream(file, std::ios::binary).rdbuf();
     return bytes.str();
+}
+
+inline size_t file_count(const std::filesystem::path& folder) {
+    using Files = std::filesystem::directory_iterator;
+    return static_cast<size_t>(std::distance(Files(folder), Files()));
 }
 
 /// How many warnings there were since the last call, and that each is about the folder.
