@@ -20,9 +20,9 @@ constexpr SweepConfig kSweepConfig;
 constexpr BinnedConfig kBinnedConfig;
 constexpr CollapseConfig kCollapseConfig{.block_size = TriangleBlock::kSize};
 
-template <typename Config>
-std::string bytes_of(const Config& config) {
-    return {reinterpret_cast<const char*>(&config), sizeof config};
+template <typename Value>
+std::string bytes_of(const Value& value) {
+    return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
 bool is_finite(const Triangle& t) {
@@ -124,13 +124,7 @@ void fit_leaves(Blas* blas) {
 }  // namespace
 
 std::string settings(BlasBuilder builder) {
-    switch (builder) {
-        case BlasBuilder::kSweep:
-            return "sweep" + bytes_of(kSweepConfig) + bytes_of(kCollapseConfig);
-        case BlasBuilder::kBinned:
-            return "binned" + bytes_of(kBinnedConfig) + bytes_of(kCollapseConfig);
-    }
-    return "";
+    return bytes_of(builder) + bytes_of(kSweepConfig) + bytes_of(kBinnedConfig) + bytes_of(kCollapseConfig);
 }
 
 Triangle TriangleBlock::triangle(int slot) const {

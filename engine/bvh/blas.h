@@ -35,7 +35,7 @@ struct Blas {
 
 enum class BlasBuilder : uint8_t { kSweep, kBinned };
 
-/// Bytes that differ where `build_blas` may make another tree of the same mesh: the builder's name, and its settings.
+/// Bytes that differ where `build_blas` may make another tree of the same mesh: which builder, and the settings of all.
 std::string settings(BlasBuilder builder);
 
 /// Memory that one build hands to the next: for meshes that are rebuilt every frame.
