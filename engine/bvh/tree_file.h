@@ -10,8 +10,8 @@
 namespace zoe {
 
 /// A BLAS as a file: a header, then the nodes, the levels, and which triangles stand in which block. The triangles' corners
-/// are the mesh's and are not in the file: what is read back holds the mesh's own, whatever the file says, and a third of
-/// the bytes. See tree_file.cpp for the layout.
+/// are not in it: what is read back holds the mesh's own, whatever the file says, and the file has a quarter of the tree's
+/// bytes. See tree_file.cpp for the layout.
 
 /// What a tree is known by: the mesh's numbers to the last bit, the builder, its settings, and the file's version.
 /// Cost       O(vertices + triangles), at about the speed of memory.
