@@ -27,6 +27,8 @@ Json numbers_json(const FrameStats& stats) {
             {"kept", stats.kept},
             {"refitted", stats.refitted},
             {"rebuilt", stats.rebuilt},
+            {"loaded", stats.loaded},
+            {"stored", stats.stored},
             {"rays", stats.rays},
             {"hits", stats.hits},
             {"kinds",

@@ -129,6 +129,12 @@ void print_stages(const RunStats& run) {
                median(run.frames, [](const FrameStats& s) { return s.kept; }),
                median(run.frames, [](const FrameStats& s) { return s.refitted; }),
                median(run.frames, [](const FrameStats& s) { return s.rebuilt; }));
+    uint32_t loaded = 0, stored = 0;
+    for (const FrameRecord& record : run.frames) {
+        loaded += record.stats.loaded;
+        stored += record.stats.stored;
+    }
+    if (loaded + stored > 0) fmt::print("trees: {} read from the cache, {} added to it\n", loaded, stored);
 }
 
 void write_overviews(const Options& options, const Run& run) {

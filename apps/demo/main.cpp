@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <memory>
 #include <new>
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@ void run(const zoe::Options& options) {
     zoe::set_thread_count(options.threads);
     zoe::Content content = zoe::open_scene(options.scene, options.fps);
     content.scene.playback.is_looping = options.is_looping;
+    if (!options.cache.empty()) content.scene.tree_cache = std::make_shared<zoe::TreeCache>(options.cache);
     if (options.clip) zoe::choose_clips(content.scene, *options.clip);
     std::vector<std::string> printed;
     zoe::print_warnings(kProgram, content.scene, &printed);

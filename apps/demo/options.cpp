@@ -14,11 +14,11 @@ namespace {
 
 /// Options whose text is checked after all of them were read.
 struct Texts {
-    std::string frames, eye, target, size, shade, out;
+    std::string frames, eye, target, size, shade, out, cache;
 };
 
 struct Flags {
-    bool loops = false, stays = false;
+    bool loops = false, stays = false, has_no_cache = false;
 };
 
 std::string footer() {
@@ -97,6 +97,11 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
         ->type_name("N")
         ->capture_default_str()
         ->group(rest);
+    app.add_option("--cache", texts.cache,
+                   "Keep trees that take long to build in this folder, up to 1 GiB (~/.cache/zoetrope)")
+        ->type_name("DIR")
+        ->group(rest);
+    app.add_flag("--no-cache", flags.has_no_cache, "Neither keep trees nor read those that were kept")->group(rest);
     app.add_option("--screenshot", options.screenshot, "Save the window as a PNG file, then close it ...")
         ->type_name("FILE")
         ->group(rest);
@@ -153,6 +158,10 @@ std::optional<Options> parse_options(int argc, char** argv) {
 
     require(!flags.loops || !flags.stays, "--loop and --no-loop: give one of them");
     options.is_looping = !flags.stays;
+    require(!flags.has_no_cache || !app.count("--cache"), "--cache and --no-cache: give one of them");
+    require(!app.count("--cache") || !texts.cache.empty(), "--cache: the folder's name is empty");
+    if (app.count("--cache")) options.cache = texts.cache;
+    if (flags.has_no_cache) options.cache.clear();
     if (app.count("--size")) options.size = parse_size(texts.size);
     if (app.count("--shade")) {
         const std::optional<Shade> shade = shade_from_name(texts.shade);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "apps/common/numbered_path.h"
 #include "apps/common/parse.h"
+#include "engine/bvh/cache.h"
 #include "engine/render/path.h"
 
 namespace zoe {
@@ -31,6 +33,7 @@ struct Options {
     std::optional<std::string> stats, trace;  ///< Files to write.
     bool is_resumed = false;
     int threads = 0;
+    std::filesystem::path cache = default_cache_folder();  ///< Of trees; empty: none.
 
     std::optional<std::string> screenshot;  ///< Of the window, then it closes.
     double screenshot_after_s = 2.0;

@@ -16,6 +16,11 @@ namespace zoe {
 
 namespace {
 
+// How `build_blas` builds. Static, so that padding is zero where settings are compared by their bytes.
+constexpr SweepConfig kSweep;
+constexpr ReinsertConfig kReinsert;
+constexpr CollapseConfig kCollapse{.block_size = TriangleBlock::kSize};
+
 // Rebuilt often: half the nodes of a tree that counts triangles one by one, a tenth less memory, and within 2 % of its
 // wide tree's SAH. A binary node is about half of a block's work once eight of them are joined.
 constexpr BinnedConfig kBinned{.block_size = TriangleBlock::kSize, .node_cost = 0.5f};
@@ -24,6 +29,12 @@ constexpr BinnedConfig kBinned{.block_size = TriangleBlock::kSize, .node_cost = 
 constexpr SbvhConfig kSbvh{.max_reference_growth = 1.5f, .block_size = TriangleBlock::kSize, .node_cost = 0.5f};
 
 constexpr size_t kGrain = 4096, kBlockGrain = 1024, kNodeGrain = 256, kPrefetchAhead = 4;
+
+
+template <typename Value>
+std::string bytes_of(const Value& value) {
+    return {reinterpret_cast<const char*>(&value), sizeof value};
+}
 
 bool is_finite(const Triangle& t) {
     return zoe::is_finite(t.a) && zoe::is_finite(t.b) && zoe::is_finite(t.c);
@@ -73,6 +84,8 @@ uint32_t place_block(std::span<const glm::vec3> positions, std::span<const glm::
     return not_finite_count;
 }
 
+}  // namespace
+
 // Puts this frame's triangles into the blocks.
 void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
     std::atomic<uint32_t> not_finite_count{0};
@@ -93,6 +106,8 @@ void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::
     });
     blas->not_finite_count = not_finite_count;
 }
+
+namespace {
 
 // Comparisons with NaN are false: slots without a finite triangle add nothing.
 Aabb bounds(const TriangleBlock* blocks, uint32_t count) {
@@ -137,7 +152,8 @@ void fit_leaves(Blas* blas) {
 // blas->has_pieces says whether the tree holds triangles more than once.
 void fill_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch) {
-    const CollapseConfig config{.block_size = TriangleBlock::kSize, .has_duplicates = blas->has_pieces};
+    CollapseConfig config = kCollapse;
+    config.has_duplicates = blas->has_pieces;
     collapse(bvh, config, &blas->tree, &scratch->slots, &scratch->collapse);
     blas->blocks.resize(scratch->slots.size() / TriangleBlock::kSize);
     parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
@@ -195,6 +211,11 @@ std::string check_places(std::span<const Held> places, const Triangle& triangle,
 
 }  // namespace
 
+std::string settings(BlasBuilder builder) {
+    return bytes_of(builder) + bytes_of(kSweep) + bytes_of(kReinsert) + bytes_of(kBinned) + bytes_of(kSbvh) +
+           bytes_of(kCollapse);
+}
+
 Triangle TriangleBlock::triangle(int slot) const {
     const auto corner = [&](int k) {
         return glm::vec3(corners[3 * k][slot], corners[3 * k + 1][slot], corners[3 * k + 2][slot]);
@@ -218,13 +239,13 @@ void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3
                 BlasScratch* scratch) {
     if (builder == BlasBuilder::kSbvh) {
         StaticBvh bvh = build_sbvh(positions, corners, kSbvh);
-        reinsert(&bvh.tree);
+        reinsert(&bvh.tree, kReinsert);
         return make_blas(bvh, positions, corners, blas, scratch);
     }
     fit_boxes(positions, corners, &scratch->boxes);
     scratch->bvh = builder == BlasBuilder::kBinned ? build_binned(scratch->boxes, kBinned, std::move(scratch->bvh))
-                                                   : build_sweep(scratch->boxes, {}, std::move(scratch->bvh));
-    if (builder == BlasBuilder::kReinserted) reinsert(&scratch->bvh);
+                                                   : build_sweep(scratch->boxes, kSweep, std::move(scratch->bvh));
+    if (builder == BlasBuilder::kReinserted) reinsert(&scratch->bvh, kReinsert);
     make_blas(scratch->bvh, positions, corners, blas, scratch);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -41,6 +42,9 @@ enum class BlasBuilder : uint8_t {
     kSbvh,        ///< Spatial splits, then reinsertion: once, and never to be refitted.
 };
 
+/// Bytes that differ where `build_blas` may make another tree of the same mesh: which builder, and the settings of all.
+std::string settings(BlasBuilder builder);
+
 /// Memory that one build hands to the next: for meshes that are rebuilt every frame.
 struct BlasScratch {
     std::vector<Aabb> boxes;
@@ -61,6 +65,11 @@ void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<c
                BlasScratch* scratch);
 void make_blas(const StaticBvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch);
+
+/// Fills the blocks' corners, and counts the triangles that are not finite.
+/// positions, corners   of the mesh that the blocks' primitives are of.
+/// Cost       O(blocks), in parallel, no allocation.
+void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas);
 
 /// Moves the triangles to new positions and refits the boxes, bottom up; the topology stays.
 /// positions, corners   as when built; only the positions' values may differ.

@@ -1,6 +1,10 @@
+#include <atomic>
+#include <chrono>
 #include <string>
 #include <vector>
 
+#include "engine/bvh/cache.h"
+#include "engine/bvh/tree_file.h"
 #include "engine/frame/frame.h"
 #include "engine/frame/frame_state.h"
 #include "engine/math/parallel.h"
@@ -12,14 +16,15 @@ namespace {
 struct Method {
     BlasBuilder builder;
     bool is_refitted;  // Moved vertices refit the tree; else they rebuild it.
+    bool is_cached;    // The tree is built once, and kept on disk where the scene has a cache.
 };
 
 // By motion class: what its BLAS is built with, and what moving vertices do to it.
 constexpr Method kMethods[kMotionCount] = {
-    {BlasBuilder::kReinserted, false},  // static: built once
-    {BlasBuilder::kReinserted, false},  // rigid: built once, rays are transformed
-    {BlasBuilder::kSweep, true},        // deforming
-    {BlasBuilder::kBinned, false},      // arbitrary
+    {BlasBuilder::kReinserted, false, true},  // static: built once
+    {BlasBuilder::kReinserted, false, true},  // rigid: built once, rays are transformed
+    {BlasBuilder::kSweep, true, false},       // deforming
+    {BlasBuilder::kBinned, false, false},     // arbitrary
 };
 
 enum class Action { kKeep, kRefit, kRebuild };
@@ -31,17 +36,43 @@ Action action_for(const Shape& shape) {
     return kMethods[static_cast<int>(shape.motion.motion)].is_refitted ? Action::kRefit : Action::kRebuild;
 }
 
-void update(const Scene& scene, Shape* shape) {
+struct CacheCounts {
+    std::atomic<uint32_t> loaded{0}, stored{0};
+};
+
+// Builds a tree, or reads it where that is faster.
+void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, const Method& method, TreeCache* cache,
+          Blas* blas, BlasScratch* scratch, CacheCounts* counts) {
+    using Clock = std::chrono::steady_clock;
+    const bool is_cached = cache && method.is_cached && corners.size() >= kFewestCachedTriangles;
+    const Hash128 key = is_cached ? tree_key(positions, corners, method.builder) : Hash128{};
+    if (is_cached && cache->load(key, positions, corners, blas)) {
+        ++counts->loaded;
+        return;
+    }
+    const Clock::time_point start = Clock::now();
+    build_blas(positions, corners, method.builder, blas, scratch);
+    const double build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
+}
+
+void update(const Scene& scene, Shape* shape, CacheCounts* counts) {
     const Mesh& mesh = scene[shape->mesh];
     if (action_for(*shape) == Action::kRefit) {
         refit_blas(shape->positions, mesh.corners, shape->blas);
     } else {
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
-        build_blas(shape->positions, mesh.corners, kMethods[static_cast<int>(shape->motion.motion)].builder, shape->blas,
-                   &shape->blas_scratch);
+        make(shape->positions, mesh.corners, kMethods[static_cast<int>(shape->motion.motion)], scene.tree_cache.get(),
+             shape->blas, &shape->blas_scratch, counts);
         if (!is_rebuilt_often) shape->blas_scratch = {};
     }
     shape->has_blas = true;
+}
+
+void warn_of_cache(Scene& scene) {
+    for (const auto& [text, count] : scene.tree_cache->take_warnings()) {
+        for (uint64_t k = 0; k < count; ++k) scene.warn(text);
+    }
 }
 
 }  // namespace
@@ -62,9 +93,13 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
         if (is_shared) state->is_shared_blas_built[index(shape.mesh)] = 1;
         work.push_back(&shape);
     }
+    CacheCounts counts;
     parallel_for(0, work.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) update(scene, work[k]);
+        for (size_t k = begin; k < end; ++k) update(scene, work[k], &counts);
     });
+    stats->loaded += counts.loaded;
+    stats->stored += counts.stored;
+    if (scene.tree_cache) warn_of_cache(scene);
     for (const Shape* shape : work) {
         if (const uint32_t count = shape->blas->not_finite_count; count > 0) {
             scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +

@@ -96,6 +96,7 @@ struct Playback {
 };
 
 struct FrameState;  // engine/frame: what `advance` keeps between frames.
+class TreeCache;    // engine/bvh/cache.h
 
 /// A scene graph: nodes, what they show, and how they move. Plain arrays; ids are positions in them.
 /// NodeId is the glTF node's index for scenes from files; nodes that the reader adds stand after those.
@@ -115,6 +116,8 @@ public:
     std::vector<Material> materials;
     std::vector<Image> images;
     Playback playback;  ///< From files: the first clip, looping.
+    /// Where trees of static and rigid nodes are kept from run to run; null, as it is unless set: nowhere.
+    std::shared_ptr<TreeCache> tree_cache;
 
     Node& operator[](NodeId id) { return nodes.at(index(id)); }
     const Node& operator[](NodeId id) const { return nodes.at(index(id)); }

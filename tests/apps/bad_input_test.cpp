@@ -225,6 +225,8 @@ TEST(BadUsage, EachBadOptionIsOneLineAndCodeTwo) {
         {"--out", ""},
         {"--stats", ""},
         {"--trace", ""},
+        {"--cache", ""},
+        {"--cache", "trees", "--no-cache"},
     };
     for (const std::vector<std::string>& options : cases) {
         std::string all;

@@ -214,9 +214,9 @@ TEST(Stats, FieldsAreTheDocumentedOnes) {
     EXPECT_EQ(stats["nodes"], Json::parse(R"({"static": 1, "rigid": 1, "deforming": 0, "arbitrary": 0})"));
     ASSERT_EQ(stats["frames"].size(), 4u);
 
-    std::vector<std::string> numbers = {"animate_ms", "build_tlas_ms", "deform_ms", "frame_ms",
-                                        "hits",       "kept",          "kinds",     "rays",
-                                        "rebuilt",    "refitted",      "trace_ms",  "update_blas_ms"};
+    std::vector<std::string> numbers = {"animate_ms", "build_tlas_ms", "deform_ms", "frame_ms",      "hits",
+                                        "kept",       "kinds",         "loaded",    "rays",          "rebuilt",
+                                        "refitted",   "stored",        "trace_ms",  "update_blas_ms"};
     EXPECT_EQ(keys(stats["median"]), numbers);
     EXPECT_EQ(keys(stats["p99"]), numbers);
     numbers.insert(numbers.end(), {"frame", "hits_hash"});
@@ -263,9 +263,9 @@ TEST(Demo, HelpNamesEveryOptionAndGivesExamples) {
     const Outcome outcome = run_demo(folder.path(), {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.err, "");
-    for (const char* const part :
-         {"--headless", "--frames", "--fps", "--size", "--spp", "--shade", "--camera", "--eye", "--target", "--fov",
-          "--clip", "--no-loop", "--out", "--stats", "--trace", "--threads", "--resume", "Examples:", "default"}) {
+    for (const char* const part : {"--headless", "--frames",  "--fps",    "--size",  "--spp",      "--shade",   "--camera",
+                                   "--eye",      "--target",  "--fov",    "--clip",  "--no-loop",  "--out",     "--stats",
+                                   "--trace",    "--threads", "--resume", "--cache", "--no-cache", "Examples:", "default"}) {
         EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
     }
 }

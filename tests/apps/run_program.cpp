@@ -59,7 +59,12 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
     posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT, 0600);
     posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-    const std::vector<std::string> variables = changed_environment(environment);
+    // Trees that programs keep end with the run: neither the user's are read, nor those of tests that ran before.
+    std::vector<std::string> changes = environment;
+    const bool is_told = std::any_of(environment.begin(), environment.end(),
+                                     [](const std::string& change) { return change.starts_with("XDG_CACHE_HOME"); });
+    if (!is_told) changes.push_back("XDG_CACHE_HOME=" + (temp / "cache").native());
+    const std::vector<std::string> variables = changed_environment(changes);
     pid_t pid = -1;
     const int error =
         posix_spawnp(&pid, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(), pointers(variables).data());

@@ -11,7 +11,7 @@ struct Outcome {
     std::string out, err;
 };
 
-/// Runs a program without a shell and waits for its end.
+/// Runs a program without a shell and waits for its end. What it caches is gone after it.
 /// arguments    The program, looked up in PATH, and what follows it.
 /// folder       It starts there.
 /// environment  "NAME=value" to set beside what is there; "NAME" to leave out.

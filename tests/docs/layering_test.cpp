@@ -105,6 +105,7 @@ const std::vector<Owner>& owners() {
         {"Embree", "embree3/", {"apps/bench/embree_", "apps/bench/peer_embree"}},
         {"TBB", "tbb/", {"engine/math/parallel.cpp"}},
         {"Highway", "hwy/", {"engine/bvh/traverse"}},
+        {"xxHash", "xxh", {"engine/bvh/hash.cpp"}},
         {"CLI11",
          "CLI/",
          {"apps/demo/options.cpp", "apps/bench/options.cpp", "apps/common/parse_command_line.cpp", "apps/chart/"}},

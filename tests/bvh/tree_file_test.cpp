@@ -1,0 +1,227 @@
+// What is in a tree's file: round trips, and files that are broken or lie.
+
+#include <bit>
+#include <filesystem>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/bvh/cache_inputs.h"
+
+namespace zoe::test {
+namespace {
+
+constexpr size_t kHeaderSize = 72, kChecksumOffset = 56, kCountsOffset = 24;
+
+/// Gives a forged file the checksum that it should have.
+void seal(std::string* file) {
+    std::fill_n(file->begin() + kChecksumOffset, 16, '\0');
+    const Hash128 hash = hash_bytes({std::as_bytes(std::span(*file))});
+    std::memcpy(file->data() + kChecksumOffset, &hash, sizeof hash);
+}
+
+/// A file of the cache, to be broken and read again.
+class TreeFile : public testing::Test {
+protected:
+    explicit TreeFile() {
+        EXPECT_TRUE(cache.store(planted.key, planted.blas));
+        whole = read_bytes(folder / planted.file_name());
+        EXPECT_EQ(whole.size(), tree_file_size(planted.blas));
+    }
+    bool loads(const std::string& file) {
+        folder.write(planted.file_name(), file);
+        return planted.load(&cache, &loaded);
+    }
+    void expect_refused(const std::string& file) {
+        loaded = {};
+        loaded.triangle_count = 77;
+        EXPECT_FALSE(loads(file));
+        EXPECT_EQ(take_warning_count(&cache), 1u);
+        EXPECT_EQ(loaded.triangle_count, 77u) << "the result was touched";
+        EXPECT_TRUE(loaded.tree.nodes.empty());
+    }
+
+    const TempFolder folder;
+    TreeCache cache{folder.path()};
+    const Planted planted{random_soup(30, 2.0f, 91)};
+    std::string whole;
+    Blas loaded;
+};
+
+TEST(TreeKey, TellsInputsApart) {
+    const TestMesh mesh = random_soup(20, 1.0f, 5);
+    std::set<std::string> keys;
+    size_t count = 0;
+    const auto add = [&](const TestMesh& m, BlasBuilder builder) {
+        keys.insert(to_hex(tree_key(m.positions, m.corners, builder)));
+        ++count;
+    };
+    add(mesh, BlasBuilder::kSweep);
+    add(mesh, BlasBuilder::kBinned);
+    for (size_t k = 0; k < mesh.positions.size(); ++k) {
+        TestMesh other = mesh;
+        other.positions[k].y = std::bit_cast<float>(std::bit_cast<uint32_t>(other.positions[k].y) ^ 1u);
+        add(other, BlasBuilder::kSweep);
+    }
+    for (size_t k = 0; k < mesh.corners.size(); ++k) {
+        TestMesh other = mesh;
+        std::swap(other.corners[k].x, other.corners[k].y);
+        add(other, BlasBuilder::kSweep);
+    }
+    // The same bytes, divided in another way.
+    TestMesh moved = mesh;
+    moved.corners.insert(moved.corners.begin(), std::bit_cast<glm::uvec3>(moved.positions.back()));
+    moved.positions.pop_back();
+    add(moved, BlasBuilder::kSweep);
+    add({"empty", {}, {}}, BlasBuilder::kSweep);
+    EXPECT_EQ(keys.size(), count);
+    EXPECT_EQ(tree_key(mesh.positions, mesh.corners, BlasBuilder::kSweep),
+              tree_key(TestMesh(mesh).positions, mesh.corners, BlasBuilder::kSweep));
+}
+
+TEST(TreeKey, HashIsTheSameHoweverTheBytesAreDivided) {
+    const std::string text = "a text that is longer than the hash's inner blocks " + std::string(5000, 'x');
+    const auto bytes = std::as_bytes(std::span(text));
+    for (const size_t at : {size_t{0}, size_t{1}, size_t{17}, size_t{1024}, text.size()}) {
+        EXPECT_EQ(hash_bytes({bytes.first(at), bytes.subspan(at)}), hash_bytes({bytes})) << at;
+    }
+    EXPECT_EQ(to_hex({0x0123456789abcdefu, 0xfu}), "0123456789abcdef000000000000000f");
+    EXPECT_EQ(to_hex(hash_bytes({})), "99aa06d3014798d86001c324468d497f") << "XXH3 of nothing, as its authors give it";
+}
+
+TEST(TreeFileRoundTrip, IsBitForBit) {
+    std::vector<TestMesh> meshes = nasty_meshes();
+    meshes.push_back(random_soup(20'000, 0.1f, 92));
+    for (TestMesh& mesh : meshes) {
+        for (const BlasBuilder builder : {BlasBuilder::kSweep, BlasBuilder::kBinned}) {
+            SCOPED_TRACE(mesh.name);
+            const TempFolder folder;
+            TreeCache cache(folder.path());
+            const Planted planted(mesh, builder);
+            ASSERT_TRUE(cache.store(planted.key, planted.blas));
+            EXPECT_EQ(std::filesystem::file_size(folder / planted.file_name()), tree_file_size(planted.blas));
+            Blas loaded;
+            loaded.triangle_count = 77;
+            ASSERT_TRUE(planted.load(&cache, &loaded));
+            EXPECT_TRUE(is_same(loaded, planted.blas));
+            EXPECT_EQ(validate(loaded, mesh.positions, mesh.corners), "");
+            EXPECT_EQ(take_warning_count(&cache), 0u);
+        }
+    }
+}
+
+TEST_F(TreeFile, CutShortIsRefused) {
+    for (size_t size = 0; size < whole.size(); ++size) {
+        SCOPED_TRACE(size);
+        expect_refused(whole.substr(0, size));
+    }
+    EXPECT_TRUE(loads(whole));
+    EXPECT_TRUE(is_same(loaded, planted.blas));
+}
+
+TEST_F(TreeFile, TooLongIsRefused) {
+    expect_refused(whole + '\0');
+    expect_refused(whole + whole);
+}
+
+TEST_F(TreeFile, EveryFlippedByteIsRefused) {
+    for (size_t k = 0; k < whole.size(); ++k) {
+        for (const unsigned mask : {1u << k % 8, 0xffu}) {
+            SCOPED_TRACE(k);
+            std::string file = whole;
+            file[k] = static_cast<char>(static_cast<unsigned char>(file[k]) ^ mask);
+            expect_refused(file);
+        }
+    }
+}
+
+TEST_F(TreeFile, GarbageIsRefused) {
+    Rng rng(93);
+    for (const size_t size : {size_t{1}, kHeaderSize - 1, kHeaderSize, kHeaderSize + 1, whole.size(), size_t{100'000}}) {
+        std::string file(size, '\0');
+        expect_refused(file);
+        for (char& c : file) c = static_cast<char>(rng.next());
+        expect_refused(file);
+    }
+}
+
+TEST_F(TreeFile, AnotherMeshesTreeIsRefused) {
+    const Planted other(random_soup(30, 2.0f, 94));
+    ASSERT_TRUE(cache.store(other.key, other.blas));
+    expect_refused(read_bytes(folder / other.file_name()));
+}
+
+TEST_F(TreeFile, CountsThatLieAreRefusedAndAllocateNothing) {
+    for (size_t word = 0; word < 4; ++word) {
+        for (const uint32_t count : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu}) {
+            SCOPED_TRACE(word);
+            SCOPED_TRACE(count);
+            std::string file = whole;
+            std::memcpy(file.data() + kCountsOffset + 4 * word, &count, sizeof count);
+            if (file == whole) continue;
+            seal(&file);
+            expect_refused(file);
+        }
+    }
+}
+
+// Small whole numbers, so that no processor or compiler rounds in another way. A file under a key is believed to be what
+// the builder would make.
+TEST(TreeFileVersion, IsRaisedWhenABuilderChangesItsTrees) {
+    TestMesh mesh{"steps", {}, {}};
+    for (int k = 0; k < 300; ++k) {
+        const glm::vec3 corner(k % 17, k * k % 23, k / 17);
+        mesh.add(corner, corner + glm::vec3(1 + k % 3, 0, 0), corner + glm::vec3(0, k % 2, 2));
+    }
+    const auto hash_of = [&](BlasBuilder builder) {
+        const TempFolder folder;
+        TreeCache cache(folder.path());
+        const Planted planted(mesh, builder);
+        EXPECT_TRUE(cache.store(planted.key, planted.blas));
+        const std::string file = read_bytes(folder / planted.file_name());
+        return to_hex(hash_bytes({std::as_bytes(std::span(file)).subspan(kHeaderSize)}));
+    };
+    const char* const what = "another tree than before: raise kVersion in tree_file.cpp, and put the new hash here";
+    EXPECT_EQ(hash_of(BlasBuilder::kSweep), "588145490acf0be09db22b9738de29ad") << what;
+    EXPECT_EQ(hash_of(BlasBuilder::kReinserted), "") << what;
+    EXPECT_EQ(hash_of(BlasBuilder::kSbvh), "") << what;
+}
+
+// The checksum is right, and what it guards is not: whatever is accepted, rays stay inside.
+TEST_F(TreeFile, ForgedTreesAreRefusedOrHarmless) {
+    const uint64_t seed = 95;
+    Rng rng(seed);
+    const std::vector<Ray> rays = rays_at(planted.mesh, 200, seed);
+    const size_t word_count = (whole.size() - kHeaderSize) / 4;
+    int refused_count = 0;
+    constexpr int kTries = 4000;
+    for (int k = 0; k < kTries; ++k) {
+        SCOPED_TRACE("seed " + std::to_string(seed) + " try " + std::to_string(k));
+        std::string file = whole;
+        const size_t change_count = 1 + rng.next() % 3;
+        for (size_t change = 0; change < change_count; ++change) {
+            const size_t at = kHeaderSize + 4 * (rng.next() % word_count);
+            const uint32_t likely[] = {0u, 1u, 2u, 30u, 31u, 0x7f800000u, 0x7fc00000u, kLeafBit, kEmptyChild};
+            uint32_t word = static_cast<uint32_t>(rng.next());
+            if (rng.next() % 2 == 0) word = likely[rng.next() % std::size(likely)];
+            if (rng.next() % 4 == 0) std::memcpy(&word, whole.data() + kHeaderSize + 4 * (rng.next() % word_count), 4);
+            std::memcpy(file.data() + at, &word, sizeof word);
+        }
+        seal(&file);
+        if (!loads(file)) {
+            ++refused_count;
+            continue;
+        }
+        for (const Ray& ray : rays) {
+            const BlasHit hit = closest_hit(loaded, ray);
+            EXPECT_TRUE(hit.primitive == kEmptyChild || hit.primitive < planted.mesh.corners.size());
+            any_hit(loaded, ray);
+        }
+    }
+    EXPECT_GT(refused_count, kTries / 10);
+    EXPECT_LT(refused_count, kTries);
+    EXPECT_EQ(take_warning_count(&cache), static_cast<uint64_t>(refused_count));
+}
+
+}  // namespace
+}  // namespace zoe::test
