@@ -24,6 +24,7 @@ void run(const zoe::Options& options) {
     zoe::set_thread_count(options.threads);
     zoe::Content content = zoe::open_scene(options.scene, options.fps);
     content.scene.playback.is_looping = options.is_looping;
+    content.scene.tree_build.budget_s = options.build_budget_s;
     if (!options.cache.empty()) content.scene.tree_cache = std::make_shared<zoe::TreeCache>(options.cache);
     if (options.clip) zoe::choose_clips(content.scene, *options.clip);
     std::vector<std::string> printed;

@@ -101,6 +101,11 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
                    "Keep trees that take long to build in this folder, up to 1 GiB (~/.cache/zoetrope)")
         ->type_name("DIR")
         ->group(rest);
+    app.add_option("--build-budget", options.build_budget_s,
+                   "What building the trees of static and rigid nodes may take: less time, slower rays")
+        ->type_name("SECONDS")
+        ->capture_default_str()
+        ->group(rest);
     app.add_flag("--no-cache", flags.has_no_cache, "Neither keep trees nor read those that were kept")->group(rest);
     app.add_option("--screenshot", options.screenshot, "Save the window as a PNG file, then close it ...")
         ->type_name("FILE")
@@ -168,6 +173,8 @@ std::optional<Options> parse_options(int argc, char** argv) {
         require(shade.has_value(), fmt::format("--shade {}: one of path, albedo, normal, motion, cost", texts.shade));
         options.shade = *shade;
     }
+    require(options.build_budget_s >= 0.0 && options.build_budget_s <= 86400.0,
+            "--build-budget: a number of seconds from 0 to 86400");
     require(options.fps >= 0.001 && options.fps <= 100000.0, "--fps: a number from 0.001 to 100000");  // NaN fails
     require(!options.spp || (*options.spp >= 1 && *options.spp <= 65536), "--spp: a number from 1 to 65536");
     require(options.threads >= 0 && options.threads <= 1024, "--threads: a number from 0 (all) to 1024");

@@ -33,6 +33,7 @@ struct Options {
     std::optional<std::string> stats, trace;  ///< Files to write.
     bool is_resumed = false;
     int threads = 0;
+    double build_budget_s = AutoConfig{}.budget_s;
     std::filesystem::path cache = default_cache_folder();  ///< Of trees; empty: none.
 
     std::optional<std::string> screenshot;  ///< Of the window, then it closes.

@@ -30,7 +30,6 @@ constexpr SbvhConfig kSbvh{.max_reference_growth = 1.5f, .block_size = TriangleB
 
 constexpr size_t kGrain = 4096, kBlockGrain = 1024, kNodeGrain = 256, kPrefetchAhead = 4;
 
-
 template <typename Value>
 std::string bytes_of(const Value& value) {
     return {reinterpret_cast<const char*>(&value), sizeof value};

@@ -185,8 +185,8 @@ std::string read_tree(int file, const Hash128& key, std::span<const glm::vec3> p
     if (const std::string fault = find_fault(made.tree, primitives, corners.size()); !fault.empty()) return fault;
 
     made.triangle_count = header.triangle_count;
-    made.has_pieces = static_cast<size_t>(std::ranges::count_if(primitives, [](uint32_t p) { return p != kEmptyChild; })) >
-                      corners.size();
+    made.has_pieces =
+        static_cast<size_t>(std::ranges::count_if(primitives, [](uint32_t p) { return p != kEmptyChild; })) > corners.size();
     made.blocks.resize(header.block_count);
     for (size_t k = 0; k < made.blocks.size(); ++k) {
         std::copy_n(&primitives[k * TriangleBlock::kSize], TriangleBlock::kSize, made.blocks[k].primitive);

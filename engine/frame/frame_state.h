@@ -54,6 +54,7 @@ struct FrameState {
     std::vector<Shape> shapes;                           ///< In order of their nodes.
     std::vector<Blas> shared_blases;                     ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;           ///< [mesh_count]
+    BlasBuilder still_builder = BlasBuilder::kSbvh;      ///< What trees that never change are built with.
     std::vector<Shape*> blas_work;                       ///< Scratch of update_blas: trees that change in this frame.
     size_t written_mesh_count = 0;                       ///< Meshes that the user had written when nodes were classified.
     std::vector<Aabb> bounds;                            ///< Scratch of build_tlas.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "engine/frame/frame_state.h"
@@ -41,6 +42,18 @@ void warn_of_refused_motion(Scene& scene, const std::vector<NodeMotion>& motions
     }
 }
 
+// All that static and rigid nodes show, each shared tree once.
+uint64_t count_still_triangles(const Scene& scene, const FrameState& state) {
+    uint64_t count = 0;
+    std::set<const Blas*> counted;
+    for (const Shape& shape : state.shapes) {
+        const MeshId mesh = scene[shape.node].mesh;
+        if (shape.motion.motion > Motion::kRigid || mesh == kNone<MeshId> || !counted.insert(shape.blas).second) continue;
+        count += scene[mesh].corners.size();
+    }
+    return count;
+}
+
 }  // namespace
 
 void prepare(Scene& scene, FrameState* state) {
@@ -79,6 +92,7 @@ void prepare(Scene& scene, FrameState* state) {
         const bool is_shared = is_undeformed && shape.motion.motion <= Motion::kRigid;
         shape.blas = is_shared ? &state->shared_blases[index(node.mesh)] : &shape.own_blas;
     }
+    state->still_builder = choose_builder(count_still_triangles(scene, *state), scene.tree_build);
 }
 
 size_t count_written_meshes(const Scene& scene) {

@@ -14,26 +14,32 @@ namespace zoe {
 namespace {
 
 struct Method {
-    BlasBuilder builder;
     bool is_refitted;  // Moved vertices refit the tree; else they rebuild it.
     bool is_cached;    // The tree is built once, and kept on disk where the scene has a cache.
+    BlasBuilder builder;
 };
 
-// By motion class: what its BLAS is built with, and what moving vertices do to it.
-constexpr Method kMethods[kMotionCount] = {
-    {BlasBuilder::kReinserted, false, true},  // static: built once
-    {BlasBuilder::kReinserted, false, true},  // rigid: built once, rays are transformed
-    {BlasBuilder::kSweep, true, false},       // deforming
-    {BlasBuilder::kBinned, false, false},     // arbitrary
-};
+// By motion class: what moving vertices do to a BLAS, and what it is built with.
+Method method_for(Motion motion, const FrameState& state) {
+    switch (motion) {
+        case Motion::kStatic:
+        case Motion::kRigid:  // The rays are transformed.
+            return {.is_refitted = false, .is_cached = true, .builder = state.still_builder};
+        case Motion::kDeforming:
+            return {.is_refitted = true, .is_cached = false, .builder = BlasBuilder::kSweep};
+        case Motion::kArbitrary:
+            break;
+    }
+    return {.is_refitted = false, .is_cached = false, .builder = BlasBuilder::kBinned};
+}
 
 enum class Action { kKeep, kRefit, kRebuild };
 
 // The cheapest that leaves the tree valid for this frame's vertices.
-Action action_for(const Shape& shape) {
+Action action_for(const Shape& shape, const FrameState& state) {
     if (!shape.has_blas || shape.is_topology_changed) return Action::kRebuild;
     if (!shape.is_changed) return Action::kKeep;
-    return kMethods[static_cast<int>(shape.motion.motion)].is_refitted ? Action::kRefit : Action::kRebuild;
+    return method_for(shape.motion.motion, state).is_refitted ? Action::kRefit : Action::kRebuild;
 }
 
 struct CacheCounts {
@@ -56,14 +62,14 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
     if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
 }
 
-void update(const Scene& scene, Shape* shape, CacheCounts* counts) {
+void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
     const Mesh& mesh = scene[shape->mesh];
-    if (action_for(*shape) == Action::kRefit) {
+    if (action_for(*shape, state) == Action::kRefit) {
         refit_blas(shape->positions, mesh.corners, shape->blas);
     } else {
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
-        make(shape->positions, mesh.corners, kMethods[static_cast<int>(shape->motion.motion)], scene.tree_cache.get(),
-             shape->blas, &shape->blas_scratch, counts);
+        make(shape->positions, mesh.corners, method_for(shape->motion.motion, state), scene.tree_cache.get(), shape->blas,
+             &shape->blas_scratch, counts);
         if (!is_rebuilt_often) shape->blas_scratch = {};
     }
     shape->has_blas = true;
@@ -82,7 +88,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     std::vector<Shape*>& work = state->blas_work;
     work.clear();
     for (Shape& shape : state->shapes) {
-        const Action action = action_for(shape);
+        const Action action = action_for(shape, *state);
         (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
         if (action == Action::kKeep) continue;
         const bool is_shared = shape.blas != &shape.own_blas;
@@ -95,7 +101,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     }
     CacheCounts counts;
     parallel_for(0, work.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) update(scene, work[k], &counts);
+        for (size_t k = begin; k < end; ++k) update(scene, *state, work[k], &counts);
     });
     stats->loaded += counts.loaded;
     stats->stored += counts.stored;

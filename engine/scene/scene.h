@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/bvh/build_auto.h"
 #include "engine/deform/sample.h"
 #include "engine/math/affine.h"
 #include "engine/scene/error.h"
@@ -118,6 +119,7 @@ public:
     Playback playback;  ///< From files: the first clip, looping.
     /// Where trees of static and rigid nodes are kept from run to run; null, as it is unless set: nowhere.
     std::shared_ptr<TreeCache> tree_cache;
+    AutoConfig tree_build;  ///< How much building all those trees may cost, looked at when the first frame is made.
 
     Node& operator[](NodeId id) { return nodes.at(index(id)); }
     const Node& operator[](NodeId id) const { return nodes.at(index(id)); }

@@ -1,0 +1,41 @@
+#include "engine/bvh/build_auto.h"
+
+#include <limits>
+
+namespace zoe {
+
+namespace {
+
+// Medians over the benchmark's `--trees` scenes, on two cores. A sweep alone pays nowhere: what it gains over the binned
+// builder, reinsertion gains many times over.
+struct Price {
+    BlasBuilder builder;
+    double build_ns;  // A triangle.
+    double ray_ns;    // A ray, beyond what the best tree takes.
+};
+constexpr Price kPrices[] = {
+    {BlasBuilder::kBinned, 250.0, 30.0}, {BlasBuilder::kReinserted, 3000.0, 5.0}, {BlasBuilder::kSbvh, 4500.0, 0.0}};
+
+}  // namespace
+
+double predicted_build_s(BlasBuilder builder, uint64_t triangle_count) {
+    for (const Price& price : kPrices) {
+        if (price.builder == builder) return 1e-9 * price.build_ns * static_cast<double>(triangle_count);
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+BlasBuilder choose_builder(uint64_t triangle_count, const AutoConfig& config) {
+    BlasBuilder best = BlasBuilder::kBinned;
+    double least_s = std::numeric_limits<double>::infinity();
+    for (const Price& price : kPrices) {
+        const double build_s = predicted_build_s(price.builder, triangle_count);
+        const double total_s = build_s + 1e-9 * price.ray_ns * config.rays;
+        if (total_s >= least_s || (build_s > config.budget_s && price.builder != BlasBuilder::kBinned)) continue;
+        least_s = total_s;
+        best = price.builder;
+    }
+    return best;
+}
+
+}  // namespace zoe
