@@ -64,6 +64,7 @@ struct Space {
         for (int k = 0; k < 3; ++k) {
             const float inverse = slabs.inverse_direction[k];
             far_inverse[k] = inverse * kCullPad + std::copysign(kCullStep, inverse);
+            negative[k] = 0u - uint32_t{slabs.is_negative[k]};
             near_row[k] = (2 * k + (slabs.is_negative[k] ? 1 : 0)) * kWidth;
         }
     }
@@ -83,6 +84,7 @@ struct Space {
     }
 
     float far_inverse[3];
+    uint32_t negative[3];     // All bits where the direction's component is below 0.
     uint32_t near_row[3];     // Rows of WideNode::planes, as offsets in floats.
     uint32_t sheared_row[3];  // Rows of TriangleBlock::corners: along kx, ky, kz.
     float sheared_origin[3], shear[3];
@@ -158,6 +160,22 @@ HWY_INLINE hn::Vec<BoxInts> sort_descending(hn::Vec<BoxInts> v) {
     return meet(v, hn::Shuffle2301(v), kByOne);
 }
 
+// Pushes all children that are entered but the nearest, farthest first.
+HWY_INLINE void push_sorted(const WideNode& node, const Entered& entered, uint32_t mask, Stack* stack, uint32_t* child) {
+    const BoxBits bits;
+    const BoxInts ints;
+    const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
+    // What is not entered sorts behind all keys, and so above the new top of the stack.
+    const auto sorted =
+        sort_descending(hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
+    const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
+    const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
+    hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
+    hn::StoreU(children, bits, stack->children + stack->size);
+    stack->size += std::popcount(mask) - 1;
+    *child = stack->children[stack->size];
+}
+
 #endif
 
 // Tests a node's boxes. The nearest child that is entered (any of them for `kIsAny`) is given back, the others are pushed,
@@ -198,17 +216,7 @@ HWY_INLINE bool next_child(const WideNode& node, const Tested& ray, float limit,
         *child = node.child[nearer];
         return true;
     }
-    const BoxInts ints;
-    const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
-    // What is not entered sorts behind all keys, and so above the new top of the stack.
-    const auto sorted =
-        sort_descending(hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
-    const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
-    const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
-    hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
-    hn::StoreU(children, bits, stack->children + stack->size);
-    stack->size += std::popcount(rest);
-    *child = stack->children[stack->size];
+    push_sorted(node, entered, mask, stack, child);
     return true;
 #else
     HWY_ALIGN uint32_t keys[kWidth];
@@ -287,10 +295,11 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
         const float* row = corners + kSize * axis;
         const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * kSize), c = hn::Load(d, row + 6 * kSize);
         const V lo = smaller(c, smaller(b, a)), hi = larger(c, larger(b, a));
-        const bool is_negative = ray.frame.is_negative[axis];
         const V origin = hn::Set(d, ray.frame.origin[axis]), inverse = hn::Set(d, ray.frame.inverse_direction[axis]);
-        in = larger(hn::Mul(hn::Sub(is_negative ? hi : lo, origin), inverse), in);
-        out = smaller(hn::Mul(hn::Sub(is_negative ? lo : hi, origin), inverse), out);
+        const auto is_negative =
+            hn::MaskFromVec(hn::BitCast(d, hn::Set(hn::RebindToUnsigned<BlockTag>(), ray.negative[axis])));
+        in = larger(hn::Mul(hn::Sub(hn::IfThenElse(is_negative, hi, lo), origin), inverse), in);
+        out = smaller(hn::Mul(hn::Sub(hn::IfThenElse(is_negative, lo, hi), origin), inverse), out);
     }
     in = hn::Mul(in, hn::Set(d, 1.0f - kBoxPad));
     out = hn::Mul(out, hn::Set(d, 1.0f + kBoxPad));
