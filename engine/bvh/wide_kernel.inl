@@ -160,20 +160,27 @@ HWY_INLINE hn::Vec<BoxInts> sort_descending(hn::Vec<BoxInts> v) {
     return meet(v, hn::Shuffle2301(v), kByOne);
 }
 
-// Pushes all children that are entered but the nearest, farthest first.
-HWY_INLINE void push_sorted(const WideNode& node, const Entered& entered, uint32_t mask, Stack* stack, uint32_t* child) {
+// Gives the nearest of the children that are entered back and pushes the others, farthest first.
+HWY_INLINE uint32_t push_sorted(const WideNode& node, const Entered& entered, uint32_t mask, Stack* stack) {
     const BoxBits bits;
     const BoxInts ints;
-    const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
-    // What is not entered sorts behind all keys, and so above the new top of the stack.
-    const auto sorted =
-        sort_descending(hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
+    const auto keys =
+        hn::BitCast(ints, hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0)));
+    const auto is_entered = hn::RebindMask(ints, entered.mask);
+    // The ray goes on to the nearest: not a cycle later than it must, so that is found by itself.
+    auto least = hn::IfThenElse(is_entered, keys, hn::Set(ints, 0x7fffffff));
+    least = hn::Min(least, hn::Shuffle2301(least));
+    least = hn::Min(least, hn::Shuffle1032(least));
+    least = hn::Min(least, hn::ConcatLowerUpper(ints, least, least));
+    const uint32_t nearest = node.child[static_cast<uint32_t>(hn::GetLane(least)) & kSlotMask];
+    // What is not entered sorts behind all keys, and so above the new top of the stack; the nearest lies on it.
+    const auto sorted = sort_descending(hn::IfThenElse(is_entered, keys, hn::Set(ints, -1)));
     const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
     const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
     hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
     hn::StoreU(children, bits, stack->children + stack->size);
     stack->size += std::popcount(mask) - 1;
-    *child = stack->children[stack->size];
+    return nearest;
 }
 
 #endif
@@ -209,14 +216,19 @@ HWY_INLINE bool next_child(const WideNode& node, const Tested& ray, float limit,
         const uint32_t second = static_cast<uint32_t>(std::countr_zero(rest));
         HWY_ALIGN uint32_t t[kWidth];
         hn::Store(hn::BitCast(bits, entered.t), bits, t);
-        const bool is_in_order = t[first] <= t[second];
-        const uint32_t nearer = is_in_order ? first : second, farther = is_in_order ? second : first;
-        stack->keys[stack->size] = t[farther];
-        stack->children[stack->size++] = node.child[farther];
-        *child = node.child[nearer];
+        // A branch, not a choice of values: where it is foreseen, the next node is on its way before t is known.
+        if (t[first] <= t[second]) {
+            stack->keys[stack->size] = t[second];
+            stack->children[stack->size++] = node.child[second];
+            *child = node.child[first];
+        } else {
+            stack->keys[stack->size] = t[first];
+            stack->children[stack->size++] = node.child[first];
+            *child = node.child[second];
+        }
         return true;
     }
-    push_sorted(node, entered, mask, stack, child);
+    *child = push_sorted(node, entered, mask, stack);
     return true;
 #else
     HWY_ALIGN uint32_t keys[kWidth];
