@@ -8,7 +8,7 @@
 //   is at most the closest t so far, being padded more than `entry` is. So nothing is culled that could be, or tie with,
 //   the closest hit.
 // - The triangle kernel does the operations of `intersect`, lane by lane, without fused ones: those in float for a whole
-//   block, which leaves few triangles; for these it calls the same function as `intersect` does.
+//   block, which leaves few triangles; for these the operations of `intersect_plane`, or that function itself.
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
@@ -284,22 +284,54 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     const auto is_candidate = hn::Or(hn::Ge(smaller(u, smaller(v, w)), zero), hn::Le(larger(u, larger(v, w)), zero));
     if (HWY_LIKELY(hn::AllFalse(d, is_candidate))) return;
 
+    uint32_t left = bits_of(d, is_candidate);
+#if HWY_MAX_BYTES >= 32
+    // The operations of `intersect_plane`.
+    const hn::Rebind<double, BlockTag> wide;
+    const auto promote = [&](V lanes) HWY_ATTR { return hn::PromoteTo(wide, lanes); };
+    const auto ax = promote(x[0]), bx = promote(x[1]), cx = promote(x[2]);
+    const auto ay = promote(y[0]), by = promote(y[1]), cy = promote(y[2]);
+    const auto du = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const auto dv = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const auto dw = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const auto none = hn::Zero(wide);
+    const auto is_inside = hn::Or(hn::And(hn::And(hn::Ge(du, none), hn::Ge(dv, none)), hn::Ge(dw, none)),
+                                  hn::And(hn::And(hn::Le(du, none), hn::Le(dv, none)), hn::Le(dw, none)));
+    const auto inverse_area = hn::Div(hn::Set(wide, 1.0), hn::Add(hn::Add(du, dv), dw));
+    const auto along = hn::Add(hn::Add(hn::Mul(du, promote(z[0])), hn::Mul(dv, promote(z[1]))), hn::Mul(dw, promote(z[2])));
+    const auto dt = hn::Mul(hn::Mul(along, inverse_area), hn::Set(wide, double(ray.shear[2])));
+    // What is below can only move t farther.
+    const auto is_placed = hn::And(hn::Ge(dt, none), hn::Le(dt, hn::Set(wide, double(std::numeric_limits<float>::max()))));
+    left &= bits_of(wide, hn::And(is_inside, is_placed));
+    const V t_plane = hn::DemoteTo(d, dt);
+    left &= bits_of(d, hn::Le(t_plane, hn::Set(d, t_max)));
+    if (left == 0) return;
+    HWY_ALIGN float ts[kSize], us[kSize], vs[kSize];
+    hn::Store(t_plane, d, ts);
+    hn::Store(hn::DemoteTo(d, hn::Mul(dv, inverse_area)), d, us);
+    hn::Store(hn::DemoteTo(d, hn::Mul(dw, inverse_area)), d, vs);
+#else
     HWY_ALIGN float xs[3][kSize], ys[3][kSize], zs[3][kSize];
     for (int k = 0; k < 3; ++k) {
         hn::Store(x[k], d, xs[k]);
         hn::Store(y[k], d, ys[k]);
         hn::Store(z[k], d, zs[k]);
     }
-    TriangleHit hits[kSize];
-    uint32_t left = 0;
-    for (uint32_t candidates = bits_of(d, is_candidate); candidates != 0; candidates &= candidates - 1) {
+    HWY_ALIGN float ts[kSize], us[kSize], vs[kSize];
+    uint32_t candidates = left;
+    left = 0;
+    for (; candidates != 0; candidates &= candidates - 1) {
         const int slot = std::countr_zero(candidates);
         const ShearedCorners sheared = {{xs[0][slot], xs[1][slot], xs[2][slot]},
                                         {ys[0][slot], ys[1][slot], ys[2][slot]},
                                         {zs[0][slot], zs[1][slot], zs[2][slot]}};
         // What is below can only move t farther.
-        if (intersect_plane(sheared, ray.shear[2], &hits[slot]) && hits[slot].t <= t_max) left |= 1u << slot;
+        TriangleHit hit;
+        if (!intersect_plane(sheared, ray.shear[2], &hit) || hit.t > t_max) continue;
+        left |= 1u << slot;
+        ts[slot] = hit.t, us[slot] = hit.u, vs[slot] = hit.v;
     }
+#endif
     if (left == 0) return;
     // `entry` into each triangle's own box.
     V in = zero, out = hn::Set(d, std::numeric_limits<float>::infinity());
@@ -320,10 +352,9 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     hn::Store(in, d, entries);
     for (; left != 0; left &= left - 1) {
         const int slot = std::countr_zero(left);
-        const TriangleHit& hit = hits[slot];
-        const float t = std::max(std::max(hit.t, t_floor), entries[slot]);
+        const float t = std::max(std::max(ts[slot], t_floor), entries[slot]);
         if (t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity()) {
-            found(t, hit.u, hit.v, block.primitive[slot]);
+            found(t, us[slot], vs[slot], block.primitive[slot]);
         }
     }
 }
