@@ -26,8 +26,8 @@ HWY_BEFORE_NAMESPACE();
 namespace zoe {
 namespace HWY_NAMESPACE {
 
-// Vectors are stored whole; what lies above the top of a stack is scratch.
-constexpr size_t kStackSlack = kWidth;
+// Vectors are stored whole; what lies above the top of a stack is scratch. At the bottom there is one entry more.
+constexpr size_t kStackSlack = kWidth + 1;
 
 // Room for the stacks of a few rays, in place unless a tree is a degenerate one.
 template <size_t kCount>
@@ -54,6 +54,14 @@ void add(const TraverseCounts& more, TraverseCounts* counts) {
     counts->triangles += more.triangles;
 }
 
+// A single tree in the world's space needs no level above it. Null where the scene is another one.
+const PlacedBlas* only_tree(const TwoLevels& scene) {
+    const uint32_t* child = scene.top->nodes[0].child;
+    if (child[0] == kEmptyChild || !is_leaf(child[0]) || child[1] != kEmptyChild) return nullptr;
+    const PlacedBlas& placed = scene.instances[first_block(child[0])];
+    return placed.is_identity && !placed.blas->tree.nodes.empty() ? &placed : nullptr;
+}
+
 template <bool kIsAny, typename Finish>
 HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts, Finish&& finish) {
     if (scene.top->nodes.empty()) {
@@ -63,12 +71,19 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
     StackMemory<1> memory(scene.stack_size);
     Walk<kIsAny> walk;
     walk.stack = memory[0];
+    const PlacedBlas* only = only_tree(scene);
+    if (only) {
+        walk.blocks = only->blas->blocks.data();
+        walk.id = only->id;
+        walk.t_floor = 0.0f;
+    }
+    const WideNode* root = only ? only->blas->tree.nodes.data() : scene.top->nodes.data();
     const auto trace_single = [&](size_t k) HWY_ATTR {
         const Ray& ray = rays[k];
         const SlabRay slabs(ray);
-        walk.start(scene.top->nodes.data(), RawHit{.t = ray.t_max}, ray.t_min);
+        walk.start(root, RawHit{.t = ray.t_max}, ray.t_min);
         if (slabs.is_valid && ray.t_min <= ray.t_max) {
-            walk.is_in_instance = false;
+            walk.is_in_instance = only != nullptr;
             walk.world.set(slabs, ray.direction);
             trace(walk, &scene, &ray);
         }

@@ -8,7 +8,7 @@
 //   is at most the closest t so far, being padded more than `entry` is. So nothing is culled that could be, or tie with,
 //   the closest hit.
 // - The triangle kernel does the operations of `intersect`, lane by lane, without fused ones: those in float for a whole
-//   block, which leaves few triangles; for these it calls the same function as `intersect` does.
+//   block, which leaves few triangles; for these the operations of `intersect_plane`, or that function itself.
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
@@ -64,6 +64,7 @@ struct Space {
         for (int k = 0; k < 3; ++k) {
             const float inverse = slabs.inverse_direction[k];
             far_inverse[k] = inverse * kCullPad + std::copysign(kCullStep, inverse);
+            negative[k] = 0u - uint32_t{slabs.is_negative[k]};
             near_row[k] = (2 * k + (slabs.is_negative[k] ? 1 : 0)) * kWidth;
         }
     }
@@ -83,6 +84,7 @@ struct Space {
     }
 
     float far_inverse[3];
+    uint32_t negative[3];     // All bits where the direction's component is below 0.
     uint32_t near_row[3];     // Rows of WideNode::planes, as offsets in floats.
     uint32_t sheared_row[3];  // Rows of TriangleBlock::corners: along kx, ky, kz.
     float sheared_origin[3], shear[3];
@@ -158,6 +160,29 @@ HWY_INLINE hn::Vec<BoxInts> sort_descending(hn::Vec<BoxInts> v) {
     return meet(v, hn::Shuffle2301(v), kByOne);
 }
 
+// Gives the nearest of the children that are entered back and pushes the others, farthest first.
+HWY_INLINE uint32_t push_sorted(const WideNode& node, const Entered& entered, uint32_t mask, Stack* stack) {
+    const BoxBits bits;
+    const BoxInts ints;
+    const auto keys =
+        hn::BitCast(ints, hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0)));
+    const auto is_entered = hn::RebindMask(ints, entered.mask);
+    // The ray goes on to the nearest: not a cycle later than it must, so that is found by itself.
+    auto least = hn::IfThenElse(is_entered, keys, hn::Set(ints, 0x7fffffff));
+    least = hn::Min(least, hn::Shuffle2301(least));
+    least = hn::Min(least, hn::Shuffle1032(least));
+    least = hn::Min(least, hn::ConcatLowerUpper(ints, least, least));
+    const uint32_t nearest = node.child[static_cast<uint32_t>(hn::GetLane(least)) & kSlotMask];
+    // What is not entered sorts behind all keys, and so above the new top of the stack; the nearest lies on it.
+    const auto sorted = sort_descending(hn::IfThenElse(is_entered, keys, hn::Set(ints, -1)));
+    const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
+    const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
+    hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
+    hn::StoreU(children, bits, stack->children + stack->size);
+    stack->size += std::popcount(mask) - 1;
+    return nearest;
+}
+
 #endif
 
 // Tests a node's boxes. The nearest child that is entered (any of them for `kIsAny`) is given back, the others are pushed,
@@ -191,24 +216,19 @@ HWY_INLINE bool next_child(const WideNode& node, const Tested& ray, float limit,
         const uint32_t second = static_cast<uint32_t>(std::countr_zero(rest));
         HWY_ALIGN uint32_t t[kWidth];
         hn::Store(hn::BitCast(bits, entered.t), bits, t);
-        const bool is_in_order = t[first] <= t[second];
-        const uint32_t nearer = is_in_order ? first : second, farther = is_in_order ? second : first;
-        stack->keys[stack->size] = t[farther];
-        stack->children[stack->size++] = node.child[farther];
-        *child = node.child[nearer];
+        // A branch, not a choice of values: where it is foreseen, the next node is on its way before t is known.
+        if (t[first] <= t[second]) {
+            stack->keys[stack->size] = t[second];
+            stack->children[stack->size++] = node.child[second];
+            *child = node.child[first];
+        } else {
+            stack->keys[stack->size] = t[first];
+            stack->children[stack->size++] = node.child[first];
+            *child = node.child[second];
+        }
         return true;
     }
-    const BoxInts ints;
-    const auto keys = hn::Or(hn::And(hn::BitCast(bits, entered.t), hn::Set(bits, kKeyMask)), hn::Iota(bits, 0));
-    // What is not entered sorts behind all keys, and so above the new top of the stack.
-    const auto sorted =
-        sort_descending(hn::IfThenElse(hn::RebindMask(ints, entered.mask), hn::BitCast(ints, keys), hn::Set(ints, -1)));
-    const auto slots = hn::And(hn::BitCast(bits, sorted), hn::Set(bits, kSlotMask));
-    const auto children = hn::TableLookupLanes(hn::Load(bits, node.child), hn::IndicesFromVec(bits, slots));
-    hn::StoreU(hn::BitCast(bits, sorted), bits, stack->keys + stack->size);
-    hn::StoreU(children, bits, stack->children + stack->size);
-    stack->size += std::popcount(rest);
-    *child = stack->children[stack->size];
+    *child = push_sorted(node, entered, mask, stack);
     return true;
 #else
     HWY_ALIGN uint32_t keys[kWidth];
@@ -264,22 +284,54 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     const auto is_candidate = hn::Or(hn::Ge(smaller(u, smaller(v, w)), zero), hn::Le(larger(u, larger(v, w)), zero));
     if (HWY_LIKELY(hn::AllFalse(d, is_candidate))) return;
 
+    uint32_t left = bits_of(d, is_candidate);
+#if HWY_MAX_BYTES >= 32
+    // The operations of `intersect_plane`.
+    const hn::Rebind<double, BlockTag> wide;
+    const auto promote = [&](V lanes) HWY_ATTR { return hn::PromoteTo(wide, lanes); };
+    const auto ax = promote(x[0]), bx = promote(x[1]), cx = promote(x[2]);
+    const auto ay = promote(y[0]), by = promote(y[1]), cy = promote(y[2]);
+    const auto du = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
+    const auto dv = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
+    const auto dw = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
+    const auto none = hn::Zero(wide);
+    const auto is_inside = hn::Or(hn::And(hn::And(hn::Ge(du, none), hn::Ge(dv, none)), hn::Ge(dw, none)),
+                                  hn::And(hn::And(hn::Le(du, none), hn::Le(dv, none)), hn::Le(dw, none)));
+    const auto inverse_area = hn::Div(hn::Set(wide, 1.0), hn::Add(hn::Add(du, dv), dw));
+    const auto along = hn::Add(hn::Add(hn::Mul(du, promote(z[0])), hn::Mul(dv, promote(z[1]))), hn::Mul(dw, promote(z[2])));
+    const auto dt = hn::Mul(hn::Mul(along, inverse_area), hn::Set(wide, double(ray.shear[2])));
+    // What is below can only move t farther.
+    const auto is_placed = hn::And(hn::Ge(dt, none), hn::Le(dt, hn::Set(wide, double(std::numeric_limits<float>::max()))));
+    left &= bits_of(wide, hn::And(is_inside, is_placed));
+    const V t_plane = hn::DemoteTo(d, dt);
+    left &= bits_of(d, hn::Le(t_plane, hn::Set(d, t_max)));
+    if (left == 0) return;
+    HWY_ALIGN float ts[kSize], us[kSize], vs[kSize];
+    hn::Store(t_plane, d, ts);
+    hn::Store(hn::DemoteTo(d, hn::Mul(dv, inverse_area)), d, us);
+    hn::Store(hn::DemoteTo(d, hn::Mul(dw, inverse_area)), d, vs);
+#else
     HWY_ALIGN float xs[3][kSize], ys[3][kSize], zs[3][kSize];
     for (int k = 0; k < 3; ++k) {
         hn::Store(x[k], d, xs[k]);
         hn::Store(y[k], d, ys[k]);
         hn::Store(z[k], d, zs[k]);
     }
-    TriangleHit hits[kSize];
-    uint32_t left = 0;
-    for (uint32_t candidates = bits_of(d, is_candidate); candidates != 0; candidates &= candidates - 1) {
+    HWY_ALIGN float ts[kSize], us[kSize], vs[kSize];
+    uint32_t candidates = left;
+    left = 0;
+    for (; candidates != 0; candidates &= candidates - 1) {
         const int slot = std::countr_zero(candidates);
         const ShearedCorners sheared = {{xs[0][slot], xs[1][slot], xs[2][slot]},
                                         {ys[0][slot], ys[1][slot], ys[2][slot]},
                                         {zs[0][slot], zs[1][slot], zs[2][slot]}};
         // What is below can only move t farther.
-        if (intersect_plane(sheared, ray.shear[2], &hits[slot]) && hits[slot].t <= t_max) left |= 1u << slot;
+        TriangleHit hit;
+        if (!intersect_plane(sheared, ray.shear[2], &hit) || hit.t > t_max) continue;
+        left |= 1u << slot;
+        ts[slot] = hit.t, us[slot] = hit.u, vs[slot] = hit.v;
     }
+#endif
     if (left == 0) return;
     // `entry` into each triangle's own box.
     V in = zero, out = hn::Set(d, std::numeric_limits<float>::infinity());
@@ -287,10 +339,11 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
         const float* row = corners + kSize * axis;
         const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * kSize), c = hn::Load(d, row + 6 * kSize);
         const V lo = smaller(c, smaller(b, a)), hi = larger(c, larger(b, a));
-        const bool is_negative = ray.frame.is_negative[axis];
         const V origin = hn::Set(d, ray.frame.origin[axis]), inverse = hn::Set(d, ray.frame.inverse_direction[axis]);
-        in = larger(hn::Mul(hn::Sub(is_negative ? hi : lo, origin), inverse), in);
-        out = smaller(hn::Mul(hn::Sub(is_negative ? lo : hi, origin), inverse), out);
+        const auto is_negative =
+            hn::MaskFromVec(hn::BitCast(d, hn::Set(hn::RebindToUnsigned<BlockTag>(), ray.negative[axis])));
+        in = larger(hn::Mul(hn::Sub(hn::IfThenElse(is_negative, hi, lo), origin), inverse), in);
+        out = smaller(hn::Mul(hn::Sub(hn::IfThenElse(is_negative, lo, hi), origin), inverse), out);
     }
     in = hn::Mul(in, hn::Set(d, 1.0f - kBoxPad));
     out = hn::Mul(out, hn::Set(d, 1.0f + kBoxPad));
@@ -299,10 +352,9 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     hn::Store(in, d, entries);
     for (; left != 0; left &= left - 1) {
         const int slot = std::countr_zero(left);
-        const TriangleHit& hit = hits[slot];
-        const float t = std::max(std::max(hit.t, t_floor), entries[slot]);
+        const float t = std::max(std::max(ts[slot], t_floor), entries[slot]);
         if (t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity()) {
-            found(t, hit.u, hit.v, block.primitive[slot]);
+            found(t, us[slot], vs[slot], block.primitive[slot]);
         }
     }
 }

@@ -7,6 +7,9 @@ namespace HWY_NAMESPACE {
 
 // Pushed below the root of an instance's tree: the ray goes back to the world. Never culled.
 constexpr uint32_t kLeave = kEmptyChild;
+// At the bottom of a single ray's stack: there is no more to do. No leaf of so many blocks can begin at so late a one.
+constexpr uint32_t kDone = kEmptyChild - 1;
+
 // A ray on its way.
 template <bool kIsAny>
 struct Walk {
@@ -87,42 +90,48 @@ template <bool kIsAny>
 HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, const Ray* ray) {
     Space* space = &walk.world;
     BoxRay boxes(*space);
-    uint32_t at = 0;
+    Stack stack = walk.stack;
+    stack.keys[0] = 0;
+    stack.children[0] = kDone;
+    stack.size = 1;
+    const WideNode* nodes = walk.nodes;
+    uint32_t at = 0, node_count = 0;
     for (;;) {
-        bool has_next = false;
         if (HWY_LIKELY(!is_leaf(at))) {
-            ++walk.counts.nodes;
-            has_next = next_child<kIsAny>(walk.nodes[at], boxes, walk.limit, &walk.stack, &at);
+            ++node_count;
+            if (next_child<kIsAny>(nodes[at], boxes, walk.limit, &stack, &at)) continue;
+        } else if (at == kDone) {
+            break;
         } else if (at == kLeave) {
             walk.is_in_instance = false;
             space = &walk.world;
             boxes = BoxRay(*space);
-            walk.nodes = scene->top->nodes.data();
+            nodes = scene->top->nodes.data();
         } else if (walk.is_in_instance) {
             test_leaf(walk, *space, at);
-            if (kIsAny && walk.is_found) return;
+            if (kIsAny && walk.is_found) break;
         } else {
             const PlacedBlas& placed = scene->instances[first_block(at)];
-            has_next = enter_instance(walk, placed, *ray);
-            if (has_next) {
-                if (walk.stack.size > 0) {
-                    walk.stack.keys[walk.stack.size] = 0;
-                    walk.stack.children[walk.stack.size++] = kLeave;
+            if (enter_instance(walk, placed, *ray)) {
+                if (stack.children[stack.size - 1] != kDone) {
+                    stack.keys[stack.size] = 0;
+                    stack.children[stack.size++] = kLeave;
                 }
+                nodes = walk.nodes;
                 at = 0;
                 if (!placed.is_identity) {
                     space = &walk.local;
                     boxes = BoxRay(*space);
                 }
+                continue;
             }
         }
-        if (has_next) continue;
         do {
-            if (walk.stack.size == 0) return;
-            --walk.stack.size;
-        } while (!kIsAny && walk.stack.keys[walk.stack.size] > walk.limit_key);
-        at = walk.stack.children[walk.stack.size];
+            --stack.size;
+        } while (!kIsAny && stack.keys[stack.size] > walk.limit_key);
+        at = stack.children[stack.size];
     }
+    walk.counts.nodes += node_count;
 }
 
 // Those of a packet's rays that `which` has a bit for, in the space of an instance, one by one, each from the hit that it

@@ -59,10 +59,13 @@ inline SlabRay::SlabRay(const Ray& ray) : origin(ray.origin), inverse_direction(
 
 inline RayFrame::RayFrame(const SlabRay& slabs, const glm::vec3& d) : SlabRay(slabs) {
     const glm::vec3 size = glm::abs(d);
-    kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    kx = kz == 2 ? 0 : kz + 1;
-    ky = kx == 2 ? 0 : kx + 1;
-    if (d[kz] < 0.0f) std::swap(kx, ky);  // Keeps the winding.
+    // By a table, as no branch on directions is foreseen: bit 0 is x > y, bit 1 x > z, bit 2 y > z.
+    constexpr int kLongest[8] = {2, 2, 2, 0, 1, 2, 1, 0}, kNext[3] = {1, 2, 0}, kPrevious[3] = {2, 0, 1};
+    kz = kLongest[int(size.x > size.y) | int(size.x > size.z) << 1 | int(size.y > size.z) << 2];
+    // Keeps the winding.
+    const bool is_backward = d[kz] < 0.0f;
+    kx = is_backward ? kPrevious[kz] : kNext[kz];
+    ky = is_backward ? kNext[kz] : kPrevious[kz];
     shear_x = d[kx] / d[kz];
     shear_y = d[ky] / d[kz];
     shear_z = inverse_direction[kz];
