@@ -48,11 +48,17 @@ PeerTree::PeerTree(Quality quality, bool is_robust, std::span<const glm::vec3> p
     state.mesh.resize(corners, positions.size());
     std::ranges::copy(positions, state.mesh.vertices().begin());
     rtcAttachGeometryByID(state.scene.get(), state.mesh.geometry(), 0);
+    rebuild();
+}
+
+double PeerTree::rebuild() {
+    State& state = *state_;
     Stopwatch watch;
     state.mesh.commit();
     rtcCommitScene(state.scene.get());
     state.build_ms = watch.restart_ms();
     state.device.check();
+    return state.build_ms;
 }
 
 PeerTree::~PeerTree() = default;

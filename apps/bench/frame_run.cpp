@@ -143,20 +143,21 @@ FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
     return record;
 }
 
-void FrameRun::try_peers(int frame, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials) {
+void FrameRun::try_peers(int frame, size_t turn, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials) {
     tlas_ = &advance(content_, frame / kBenchFps, nullptr);
-    for (size_t k = 0; k < peers.size(); ++k) {
+    for (size_t i = 0; i < peers.size(); ++i) {
+        const size_t k = (turn + i) % peers.size();
         const EmbreePeer::UpdateTimes times = peers[k]->update(content_.scene, *tlas_);
         trials[k].update_ms += times.update_ms + times.build_tlas_ms;
     }
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
-        for (const EmbreeRays rays : forms_of(kind)) {
-            for (size_t turn = 0; turn < peers.size(); ++turn) {
-                const size_t k = (turn + static_cast<size_t>(frame)) % peers.size();
-                peers[k]->set_rays(kind, rays);
-                trials[k].trace_ms[static_cast<size_t>(kind)][static_cast<size_t>(rays)] += trace_peer(kind, peers[k]);
-            }
+        const std::span<const EmbreeRays> forms = forms_of(kind);
+        for (size_t i = 0; i < forms.size() * peers.size(); ++i, ++turn) {
+            const size_t k = turn % peers.size();
+            const EmbreeRays form = forms[(turn / peers.size()) % forms.size()];
+            peers[k]->set_rays(kind, form);
+            trials[k].trace_ms[static_cast<size_t>(kind)][static_cast<size_t>(form)] += trace_peer(kind, peers[k]);
         }
         Batch& batch = batches_[static_cast<size_t>(kind)];
         batch.hits = batch.peer_hits;  // for the next rays

@@ -36,8 +36,9 @@ public:
         std::array<std::array<double, kEmbreeRays.size()>, kRayKindCount> trace_ms{};  ///< [kind][how handed over]
     };
     /// Plays a frame with each peer alone, in turn, so that a drifting machine hits all of them.
+    /// turn       who comes first: counted up from trial to trial.
     /// trials     [peer_count] what the frame took is added.
-    void try_peers(int frame, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials);
+    void try_peers(int frame, size_t turn, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials);
 
     const Tlas& tlas() const { return *tlas_; }
     /// Of the last frame.

@@ -1,5 +1,6 @@
 #include "apps/bench/hashes.h"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/bench/bench_scenes.h"
 #include "apps/common/usage_error.h"
 #include "apps/common/write_file.h"
 
@@ -28,6 +30,7 @@ SceneHashes parse_line(const std::string& line) {
     std::string size;
     words >> parsed.simd >> parsed.scene >> size;
     parsed.size = parse_size(size);
+    find_bench_scene(parsed.scene);
     for (std::string word; words >> word;) {
         const std::optional<uint64_t> hash = parse_hash(word);
         if (!hash) throw UsageError(fmt::format("'{}' is not 16 hex digits", word));
@@ -35,6 +38,10 @@ SceneHashes parse_line(const std::string& line) {
     }
     if (parsed.hashes.empty()) throw UsageError("no hashes");
     return parsed;
+}
+
+bool is_same_scene(const SceneHashes& a, const SceneHashes& b) {
+    return a.scene == b.scene && a.size.width == b.size.width && a.size.height == b.size.height;
 }
 
 }  // namespace
@@ -63,20 +70,23 @@ SceneHashes hashes_of(const RunStats& run, PictureSize size) {
     return line;
 }
 
-bool is_for_this_target(const SceneHashes& line) {
-    return line.simd == "*" || line.simd == simd_target();
-}
-
-std::vector<SceneHashes> lines_of_other_targets(const std::filesystem::path& file) {
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) return {};  // a pipe is only written to
-    std::vector<SceneHashes> lines = read_hashes(file);
-    std::erase_if(lines, is_for_this_target);
-    return lines;
+std::vector<SceneHashes> lines_for_this_target(std::vector<SceneHashes> lines) {
+    const auto has_own = [&](const SceneHashes& line) {
+        return std::ranges::any_of(
+            lines, [&](const SceneHashes& other) { return other.simd == simd_target() && is_same_scene(other, line); });
+    };
+    std::vector<SceneHashes> chosen;
+    for (const SceneHashes& line : lines) {
+        if (line.simd == simd_target() || (line.simd == "*" && !has_own(line))) chosen.push_back(line);
+    }
+    return chosen;
 }
 
 void write_hashes(const std::filesystem::path& file, const std::vector<SceneHashes>& lines) {
-    std::vector<SceneHashes> all = lines_of_other_targets(file);
+    std::vector<SceneHashes> all;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored)) all = read_hashes(file);  // a pipe is only written to
+    std::erase_if(all, [](const SceneHashes& old) { return old.simd == simd_target(); });
     all.insert(all.end(), lines.begin(), lines.end());
     std::string text =
         "# SIMD SCENE WIDTHxHEIGHT HASH ...: the hits of the first frames, for zoetrope-bench --expect-hashes\n";

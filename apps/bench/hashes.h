@@ -25,14 +25,11 @@ std::vector<SceneHashes> read_hashes(const std::filesystem::path& file);
 
 SceneHashes hashes_of(const RunStats& run, PictureSize size);
 
-/// Whether a line holds for the vector instructions of this machine.
-bool is_for_this_target(const SceneHashes& line);
+/// The lines that hold for this machine's vector instructions: their own, and those for all where there is no own one for
+/// the same scene and size.
+std::vector<SceneHashes> lines_for_this_target(std::vector<SceneHashes> lines);
 
-/// The lines of a file, where there is one, that do not hold for this machine's vector instructions.
-/// Throws     std::runtime_error as `read_hashes` does.
-std::vector<SceneHashes> lines_of_other_targets(const std::filesystem::path& file);
-
-/// Writes the lines, and those of other vector instructions that the file holds.
+/// Writes the lines in place of those for this machine's vector instructions that the file holds; its others stay.
 /// Throws     std::runtime_error with the file's name and the reason.
 void write_hashes(const std::filesystem::path& file, const std::vector<SceneHashes>& lines);
 

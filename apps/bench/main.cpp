@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <set>
 #include <thread>
@@ -40,25 +41,34 @@ void check_outputs(const Options& options, const std::vector<BenchScene>& scenes
             throw UsageError(
                 fmt::format("--write-hashes: a line of its file cannot hold a name with a space: {}", scene.name));
     }
-    std::set<std::string> names;
+    std::set<std::filesystem::path> names;
+    const auto add = [&](const std::string& file) {
+        std::error_code ignored;
+        const std::filesystem::path name = std::filesystem::weakly_canonical(file, ignored);
+        if (!names.insert(ignored ? std::filesystem::path(file) : name).second)
+            throw UsageError(fmt::format("{}: two files of the command line are this one", file));
+    };
+    if (options.expected_hashes) add(*options.expected_hashes);
+    for (const BenchScene& scene : scenes) names.insert(std::filesystem::absolute(scene.scene));
     for (const std::optional<std::string>* file :
          {&options.json, &options.csv, &options.disagreements, &options.written_hashes}) {
         if (!*file) continue;
-        if (!names.insert(**file).second) throw UsageError(fmt::format("{}: two outputs have this name", **file));
+        add(**file);
         try {
             require_writable(**file);
         } catch (const std::runtime_error& error) {
             throw UsageError(error.what());
         }
     }
-    if (options.written_hashes) lines_of_other_targets(*options.written_hashes);  // a broken file is told now
+    std::error_code ignored;
+    if (options.written_hashes && std::filesystem::is_regular_file(*options.written_hashes, ignored))
+        read_hashes(*options.written_hashes);  // a broken file is told now
 }
 
 /// The hash file's lines for this machine's vector instructions.
 std::vector<SceneHashes> expected_hashes(const Options& options) {
     if (!options.expected_hashes) return {};
-    std::vector<SceneHashes> lines = read_hashes(*options.expected_hashes);
-    std::erase_if(lines, [](const SceneHashes& line) { return !is_for_this_target(line); });
+    std::vector<SceneHashes> lines = lines_for_this_target(read_hashes(*options.expected_hashes));
     if (lines.empty()) {
         throw std::runtime_error(fmt::format("{}: no hashes for {}", *options.expected_hashes, simd_target()));
     }
@@ -149,7 +159,6 @@ int run(const Options& options) {
         if (options.json) write_file(*options.json, bench_json(runs, machine));
         if (options.csv) write_file(*options.csv, csv(runs));
         if (options.disagreements) write_file(*options.disagreements, disagreements);
-        if (options.written_hashes) write_hashes(*options.written_hashes, hashes);
     };
     for (size_t k = 0; k < scenes.size(); ++k) {
         Played played;
@@ -168,6 +177,7 @@ int run(const Options& options) {
     }
     fmt::print("\n{}", rays_table(runs));
     write_results();
+    if (options.written_hashes) write_hashes(*options.written_hashes, hashes);
     if (options.expected_hashes) {
         fmt::print(stderr, "{}", differences);
         if (!differences.empty()) return 1;

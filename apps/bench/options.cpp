@@ -114,10 +114,11 @@ std::optional<Options> parse_options(int argc, char** argv) {
     options.is_peer_high = texts.peer_quality == "high";
     for (const char* const name : {"--peer-robust", "--peer-quality", "--disagreements"})
         require(!app.count(name) || options.has_peer, fmt::format("{} goes with --peer embree", name));
-    for (const char* const name : {"SCENE", "--frames", "--size", "--write-hashes"})
+    for (const char* const name : {"SCENE", "--frames", "--size", "--repeats", "--write-hashes"})
         require(!app.count(name) || !options.expected_hashes,
                 fmt::format("{} does not go with --expect-hashes: its file says what is played", name));
-    for (const char* const name : {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes"})
+    for (const char* const name :
+         {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes", "--peer-quality"})
         require(!app.count(name) || !options.compares_trees, fmt::format("{} does not go with --trees", name));
     check_files(app, options);
     return options;

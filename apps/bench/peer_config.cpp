@@ -18,6 +18,9 @@ uint64_t world_triangle_count(const Tlas& tlas) {
     return count;
 }
 
+/// Fewer instances than this have their top level built in next to no time by either quality: MEDIUM is the better tree.
+constexpr size_t kFewInstances = 1000;
+
 bool has(const Scene& scene, Motion motion) {
     return std::ranges::any_of(scene.frame->shapes, [=](const Shape& shape) { return shape.motion.motion == motion; });
 }
@@ -61,6 +64,7 @@ std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, b
         config.layout = Layout::kInstances;
         config.is_static_high = is_static_high;
         for (const bool is_top_medium : {false, true}) {
+            if (!is_top_medium && tlas.instances.size() < kFewInstances) continue;
             config.is_top_medium = is_top_medium;
             configs.push_back(config);
         }

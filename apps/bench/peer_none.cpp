@@ -55,6 +55,10 @@ PeerTree::~PeerTree() = default;
 PeerTree::PeerTree(PeerTree&&) noexcept = default;
 PeerTree& PeerTree::operator=(PeerTree&&) noexcept = default;
 
+double PeerTree::rebuild() {
+    refuse();
+}
+
 double PeerTree::build_ms() const {
     refuse();
 }

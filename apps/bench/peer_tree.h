@@ -24,7 +24,10 @@ public:
     PeerTree(PeerTree&&) noexcept;
     PeerTree& operator=(PeerTree&&) noexcept;
 
-    double build_ms() const;
+    /// Builds it once more in the same scene, as a mesh that moves has it.
+    /// Returns    ms.
+    double rebuild();
+    double build_ms() const;      ///< Of the last build.
     uint64_t byte_count() const;  ///< What Embree's memory monitor counts once the tree is built.
 
     /// As EmbreePeer's. Hits are those of node 0.

@@ -1,7 +1,6 @@
 #include "apps/bench/play.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 #include <set>
@@ -20,8 +19,9 @@ namespace {
 
 /// Frames by which the peer's configurations are told apart, after one that warms up.
 constexpr int kTrialFrames = 4;
-/// One that takes this many times the best one's time so far is given up.
+/// One that takes this many times the best one's time so far is given up, after so many frames.
 constexpr double kFarBehind = 1.2;
+constexpr int kFramesBeforeGivingUp = 2;
 /// Rays of a scene that are judged: brute force takes a few ms each.
 constexpr size_t kMaxJudged = 20'000;
 /// That are judged between two reports of progress.
@@ -123,7 +123,7 @@ private:
         step_count_ += trial_count + 1;
         for (int trial = 0; trial <= trial_count; ++trial) {
             report_step("trying Embree's configurations");
-            try_candidates(1 + (trial - 1) * scene_.frame_count / trial_count, trial == 0, &candidates);
+            try_candidates(trial == 0 ? 0 : 1 + (trial - 1) * scene_.frame_count / trial_count, trial, &candidates);
         }
         for (Candidate& candidate : candidates) {
             candidate.choose_rays();
@@ -134,8 +134,8 @@ private:
         played_.run.peer = std::move(peer);
     }
 
-    /// is_warm_up a frame that counts for nothing.
-    void try_candidates(int frame, bool is_warm_up, std::vector<Candidate>* candidates) {
+    /// trial_number   counted up; 0 warms up and counts for nothing.
+    void try_candidates(int frame, int trial_number, std::vector<Candidate>* candidates) {
         std::vector<EmbreePeer*> peers;
         std::vector<FrameRun::PeerTrial> trials;
         for (const Candidate& candidate : *candidates) {
@@ -143,8 +143,8 @@ private:
             peers.push_back(candidate.peer.get());
             trials.push_back(candidate.trial);
         }
-        frame_run_.try_peers(is_warm_up ? 0 : frame, peers, trials);
-        if (is_warm_up) return;
+        frame_run_.try_peers(frame, static_cast<size_t>(trial_number), peers, trials);
+        if (trial_number == 0) return;
         double least_ms = kInfinity;
         auto trial = trials.begin();
         for (Candidate& candidate : *candidates) {
@@ -153,6 +153,7 @@ private:
             ++candidate.frame_count;
             least_ms = std::min(least_ms, candidate.frame_ms());
         }
+        if (trial_number < kFramesBeforeGivingUp) return;
         for (Candidate& candidate : *candidates) {
             if (candidate.frame_ms() > kFarBehind * least_ms) candidate.peer.reset();
         }

@@ -21,7 +21,7 @@ struct TreeRow {
     double nodes = 0.0, triangles = 0.0;           ///< That a primary or diffuse ray tests. 0 for a peer's.
     std::array<double, kRayKindCount> trace_ms{};  ///< By kind, in the way of handing rays over that takes least.
     double primary_single_ms = 0.0;                ///< Primary rays, a call each.
-    uint64_t disagreements = 0;                    ///< Rays whose hit is not that of the first tree. 0 for all of ours.
+    uint64_t disagreements = 0;  ///< Rays that find another hit than in our trees, as `is_disagreement` has it.
 };
 
 struct TreeComparison {
@@ -37,8 +37,9 @@ struct TreeComparison {
 };
 
 /// Builds a tree by each method over all triangles of a scene's first frame, as one mesh in the world, and traces the
-/// frame's rays through all of them in turn. Least times over the repeats; what takes long is built once.
-/// Throws     SceneError; std::runtime_error where trees give different hits; Interrupted.
+/// frame's rays through all of them in turn. Least times over the repeats, the later builds in the memory of the first; what
+/// takes long is built once.
+/// Throws     SceneError; std::runtime_error where our trees, or batches and single rays, give different hits; Interrupted.
 TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, const Report& report);
 
 }  // namespace zoe

@@ -73,8 +73,16 @@ void require_writable(const std::filesystem::path& file) {
     if (std::filesystem::is_directory(target.file, error)) fail(file, "cannot be written: it is a folder");
     const std::filesystem::path folder = target.file.has_parent_path() ? target.file.parent_path() : ".";
     if (!std::filesystem::is_directory(folder, error)) fail(file, "cannot be written: there is no such folder");
-    const int outcome = target.is_replaced ? access(folder.c_str(), W_OK | X_OK) : access(target.file.c_str(), W_OK);
-    if (outcome != 0) fail(file, fmt::format("cannot be written: {}", std::strerror(errno)));
+    if (!target.is_replaced) {
+        if (access(target.file.c_str(), W_OK) != 0) fail(file, fmt::format("cannot be written: {}", std::strerror(errno)));
+        return;
+    }
+    // Rights alone do not tell: some folders take no files even from root.
+    const std::filesystem::path tried = temporary_name(target.file);
+    std::FILE* const stream = std::fopen(tried.c_str(), "wb");
+    if (!stream) fail(file, fmt::format("cannot be written: {}", std::strerror(errno)));
+    std::fclose(stream);
+    std::remove(tried.c_str());
 }
 
 }  // namespace zoe

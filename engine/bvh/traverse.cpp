@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 #include <new>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -185,7 +186,12 @@ bool any_hit(const Blas& blas, const RayFrame& ray, float t_floor, float t_min, 
 }
 
 const char* simd_target() {
-    return HWY_DYNAMIC_DISPATCH(target)();
+    static const std::string name = [] {
+        std::string lower = HWY_DYNAMIC_DISPATCH(target)();
+        for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        return lower;
+    }();
+    return name.c_str();
 }
 
 }  // namespace zoe

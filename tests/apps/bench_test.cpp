@@ -58,6 +58,9 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     expect_refused(folder, {"--size", "0x10"}, 2, "--size");
     expect_refused(folder, {"--peer", "other"}, 2, "embree");
     expect_refused(folder, {"--peer-robust"}, 2, "--peer embree");
+    expect_refused(folder, small({"--json", "a.json", "--csv", "./a.json"}), 2, "two files");
+    expect_refused(folder, {"--expect-hashes", "h.txt", "--repeats", "3"}, 2, "--repeats does not go with");
+    expect_refused(folder, small({"--json", "/proc/a.json"}), 2, "/proc/a.json: cannot be written");
     expect_refused(folder, {"--trees", "--csv", "x.csv"}, 2, "--csv does not go with --trees");
     expect_refused(folder, {"--peer", "embree", "--peer-quality", "best"}, 2, "medium or high");
     expect_refused(folder, {"--no-such-option"}, 2, "--no-such-option");
@@ -193,6 +196,9 @@ TEST(Bench, ThePeerRunsTheSameFrames) {
     const Json& verdicts = scene["peer"]["disagreements"];
     EXPECT_EQ(verdicts["peer_right"], 0) << verdicts;
     EXPECT_EQ(verdicts["neither_right"], 0) << verdicts;
+    uint64_t verdict_count = 0;
+    for (const auto& [name, count] : verdicts.items()) verdict_count += count.get<uint64_t>();
+    EXPECT_EQ(verdict_count, disagreements);
     EXPECT_LT(disagreements, 20u) << verdicts;
     EXPECT_TRUE(read(folder / "d.txt").starts_with("# mixed-1\n"));
 }
@@ -258,6 +264,17 @@ TEST(Bench, WhatIsDoneIsWrittenWhereALaterSceneIsBroken) {
     const Outcome outcome = run_bench(folder, small({"broken.glb", "--json", "x.json"}));
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_EQ(Json::parse(read(folder / "x.json"))["scenes"].size(), 1u);
+}
+
+TEST(Bench, OwnLinesGoBeforeThoseForAllTargets) {
+    const TempFolder folder;
+    ASSERT_EQ(run_bench(folder, small({"--write-hashes", "h.txt"})).exit_code, 0);
+    const std::string wrong = "* instances-20 16x16 0123456789abcdef 0123456789abcdef\n";
+    folder.write("all.txt", wrong);
+    EXPECT_EQ(run_bench(folder, {"--expect-hashes", "all.txt"}).exit_code, 1);
+    folder.write("own.txt", wrong + read(folder / "h.txt"));
+    const Outcome own = run_bench(folder, {"--expect-hashes", "own.txt"});
+    EXPECT_EQ(own.exit_code, 0) << own.err;
 }
 
 TEST(Bench, WritingHashesKeepsOtherTargets) {

@@ -297,8 +297,8 @@ TEST(PeerConfig, OffersWhatASceneHasUseFor) {
         const Tlas& tlas = advance(content, 0.0, nullptr);
         return embree_configs(content.scene, tlas, true, true);
     };
-    EXPECT_EQ(configs(rigid).size(), 3u);
-    EXPECT_EQ(configs(arbitrary).size(), 6u);
+    EXPECT_EQ(configs(rigid).size(), 2u);
+    EXPECT_EQ(configs(arbitrary).size(), 4u);
     for (const EmbreeConfig& config : configs(arbitrary)) {
         EXPECT_TRUE(config.is_robust);
         // Beside what moves, Embree would build MEDIUM trees and say nothing.

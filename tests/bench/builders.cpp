@@ -161,7 +161,7 @@ void register_builders() {
         }
         add("refit_blas/" + mesh, [=](benchmark::State& state, const std::string&) { refit_moved(state, mesh); });
     }
-    for (const int count : {1000, 10000}) {
+    for (const int count : {1000, 10000, 100000}) {
         add("build_agglomerative/" + std::to_string(count),
             [=](benchmark::State& state, const std::string&) { cluster(state, count); });
     }
