@@ -44,7 +44,7 @@ void check_outputs(const Options& options, const std::vector<BenchScene>& scenes
     std::set<std::filesystem::path> names;
     const auto add = [&](const std::string& file) {
         std::error_code ignored;
-        const std::filesystem::path name = std::filesystem::weakly_canonical(file, ignored);
+        const std::filesystem::path name = std::filesystem::weakly_canonical(std::filesystem::absolute(file), ignored);
         if (!names.insert(ignored ? std::filesystem::path(file) : name).second)
             throw UsageError(fmt::format("{}: two files of the command line are this one", file));
     };
