@@ -21,6 +21,8 @@
 
 #include "engine/bvh/wide_kernel.inl"
 #include "engine/bvh/wide_packet.inl"
+#include "engine/bvh/wide_packet_triangle.inl"
+#include "engine/bvh/wide_triangle.inl"
 #include "engine/bvh/wide_walk.inl"
 
 HWY_BEFORE_NAMESPACE();

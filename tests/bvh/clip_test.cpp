@@ -18,59 +18,35 @@ bool contains(const Aabb& box, const glm::dvec3& p, double slack) {
     return true;
 }
 
-/// True where the t of a hit is that of the point that the ray passes, which is what `padded` asks of `intersect`: it is not
-/// for triangles so nearly edge-on that their weights are rounding.
-bool is_t_exact(const Triangle& triangle, const Ray& ray, const BlasHit& hit) {
-    const RayFrame frame(ray);
-    const auto sheared = [&](const glm::vec3& corner) {
-        const glm::vec3 p = corner - frame.origin;
-        const float x = p[frame.kx] - frame.shear_x * p[frame.kz], y = p[frame.ky] - frame.shear_y * p[frame.kz];
-        return glm::dvec3(x, y, p[frame.kz]);
-    };
-    const glm::dvec3 a = sheared(triangle.a), b = sheared(triangle.b), c = sheared(triangle.c);
-    const double u = c.x * b.y - c.y * b.x, v = a.x * c.y - a.y * c.x, w = b.x * a.y - b.y * a.x;
-    const double t = (u * a.z + v * b.z + w * c.z) / (u + v + w) * frame.shear_z;
-    const glm::vec3 extent = bounds(triangle).extent();
-    const double scale = t + std::max({extent.x, extent.y, extent.z}) * std::abs(frame.shear_z);
-    return std::abs(hit.t - t) <= 0x1p-22 * scale;
-}
-
 /// Compares every ray's closest and any hit with brute force, bit for bit.
-void expect_same_hits(const TestMesh& mesh, const StaticBvh& bvh, int ray_count, uint64_t seed, int* inexact_count) {
+void expect_same_hits(const TestMesh& mesh, const StaticBvh& bvh, int ray_count, uint64_t seed) {
     ASSERT_EQ(validate(bvh, mesh.positions, mesh.corners), "");
     const Blas blas = blas_from(bvh, mesh);
     for (const Ray& ray : grazing_rays(mesh, ray_count, seed)) {
         const BlasHit expected = brute_force(mesh, ray), found = closest_hit(blas, ray);
         ASSERT_EQ(any_hit(blas, ray), expected.primitive != 0xffffffffu);
-        if (is_same(found, expected)) continue;
-        ASSERT_NE(expected.primitive, 0xffffffffu) << to_string(found);
-        ASSERT_FALSE(is_t_exact(mesh.triangle(expected.primitive), ray, expected))
+        ASSERT_TRUE(is_same(found, expected))
             << to_string(expected) << " by brute force, " << to_string(found) << " by the tree";
-        ++*inexact_count;
     }
 }
 
 constexpr int kMeshes = 40, kRaysAMesh = 30000;
 
-TEST(Clip, PiecesOfAnySizeLoseNoHitThatTheKernelPlacesRight) {
-    int inexact_count = 0;
+TEST(Clip, PiecesOfAnySizeLoseNoHit) {
     for (int k = 0; k < kMeshes; ++k) {
         SCOPED_TRACE(::testing::Message() << "seed " << k);
         const TestMesh mesh = crossing_triangles(k % 3 == 0 ? 4 : k % 3 == 1 ? 16 : 40, 300 + k);
-        expect_same_hits(mesh, tree_of_pieces(mesh, 5 << k % 4, k), kRaysAMesh, 400 + k, &inexact_count);
+        expect_same_hits(mesh, tree_of_pieces(mesh, 5 << k % 4, k), kRaysAMesh, 400 + k);
     }
-    EXPECT_LE(inexact_count, kMeshes * kRaysAMesh / 100000);
 }
 
-TEST(Clip, SpatialSplitsLoseNoHitThatTheKernelPlacesRight) {
-    int inexact_count = 0;
+TEST(Clip, SpatialSplitsLoseNoHit) {
     for (int k = 0; k < kMeshes; ++k) {
         SCOPED_TRACE(::testing::Message() << "seed " << k);
         const TestMesh mesh = crossing_triangles(k % 3 == 0 ? 8 : k % 3 == 1 ? 24 : 48, 500 + k);
         const SbvhConfig config{.max_reference_growth = 6.0f, .min_overlap = 0.0f, .max_leaf_size = 1, .node_cost = 0.0f};
-        expect_same_hits(mesh, build_sbvh(mesh.positions, mesh.corners, config), kRaysAMesh, 600 + k, &inexact_count);
+        expect_same_hits(mesh, build_sbvh(mesh.positions, mesh.corners, config), kRaysAMesh, 600 + k);
     }
-    EXPECT_LE(inexact_count, kMeshes * kRaysAMesh / 100000);
 }
 
 TEST(Clip, EveryPointOfATriangleIsInAPiece) {
