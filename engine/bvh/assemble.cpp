@@ -36,7 +36,7 @@ std::vector<BvhNode> assemble(TreeParts* parts, std::vector<BvhNode> storage) {
         const uint32_t subtree = parts->subtree_of_top[top];
         if (subtree != TreeParts::kNone) {
             append(parts->subtrees[subtree], place, &nodes);
-            parts->subtrees[subtree] = {};
+            std::vector<BvhNode>().swap(parts->subtrees[subtree]);
         } else if (const BvhNode& node = parts->top[top]; !node.is_leaf()) {
             const auto children = static_cast<uint32_t>(nodes.size());
             nodes[place].first = children;

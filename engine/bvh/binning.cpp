@@ -135,4 +135,23 @@ Split best_split(const Bins& bins, int bin_count, uint32_t item_count, int block
     return split;
 }
 
+// Without a branch on where an item goes, which no processor could guess.
+uint32_t partition(std::span<Item> items, const BinMap& map, const Split& split, Item* moved) {
+    const int axis = split.axis;
+    const float origin = map.origin[axis], scale = map.scale[axis];
+    const auto first_right = static_cast<float>(split.bin);
+    uint32_t left = 0, right = 0;
+    for (const Item& item : items) {
+        const Item copy = item;
+        // As `map` has it, for one axis.
+        const bool is_left = (0.5f * copy.lo[axis] + 0.5f * copy.hi[axis] - origin) * scale < first_right;
+        items[left] = copy;
+        moved[right] = copy;
+        left += is_left ? 1 : 0;
+        right += is_left ? 0 : 1;
+    }
+    std::copy_n(moved, right, items.begin() + left);
+    return left;
+}
+
 }  // namespace zoe::binning

@@ -109,4 +109,9 @@ private:
 /// Returns       the plane between bins of least area times blocks; among equal costs (no area at all) the most even one.
 Split best_split(const Bins& bins, int bin_count, uint32_t item_count, int block_shift, const AreaScale& scale);
 
+/// Puts the items left of a split before those right of it; keeps the order on both sides.
+/// moved      room for as many items.
+/// Returns    how many are left.
+uint32_t partition(std::span<Item> items, const BinMap& map, const Split& split, Item* moved);
+
 }  // namespace zoe::binning

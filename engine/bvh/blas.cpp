@@ -35,23 +35,28 @@ std::string bytes_of(const Value& value) {
     return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-bool is_finite(const Triangle& t) {
-    return zoe::is_finite(t.a) && zoe::is_finite(t.b) && zoe::is_finite(t.c);
-}
-
-Triangle triangle_at(std::span<const glm::vec3> positions, const glm::uvec3& corners, uint32_t primitive) {
-    return {positions[corners.x], positions[corners.y], positions[corners.z], primitive};
-}
-
 // An empty box for a triangle that is not finite: it bounds nothing and is never hit.
-Aabb box_of(const Triangle& triangle) {
-    return is_finite(triangle) ? bounds(triangle) : Aabb{};
+Aabb box_of(std::span<const glm::vec3> positions, const glm::uvec3& corners) {
+    const glm::vec3 &a = positions[corners.x], &b = positions[corners.y], &c = positions[corners.z];
+    return is_finite(a) && is_finite(b) && is_finite(c) ? bounds(Triangle{a, b, c, 0}) : Aabb{};
 }
 
-void fit_boxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, std::vector<Aabb>* boxes) {
-    boxes->resize(corners.size());
+std::vector<Aabb> boxes_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
+                           std::vector<Aabb> boxes) {
+    boxes.resize(corners.size());
     parallel_for(0, corners.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) (*boxes)[k] = box_of(triangle_at(positions, corners[k], 0));
+        for (size_t k = begin; k < end; ++k) boxes[k] = box_of(positions, corners[k]);
+    });
+    return boxes;
+}
+
+void fit_items(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
+               std::vector<binning::Item>* items) {
+    items->resize(corners.size());
+    parallel_for(0, corners.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            (*items)[k] = binning::Item(box_of(positions, corners[k]), static_cast<uint32_t>(k));
+        }
     });
 }
 
@@ -149,63 +154,62 @@ void fit_leaves(Blas* blas) {
 }
 
 // blas->has_pieces says whether the tree holds triangles more than once.
-void fill_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
-               BlasScratch* scratch) {
+void fill_tree(const Bvh& bvh, Blas* blas, BlasScratch* scratch) {
     CollapseConfig config = kCollapse;
     config.has_duplicates = blas->has_pieces;
     collapse(bvh, config, &blas->tree, &scratch->slots, &scratch->collapse);
-    blas->blocks.resize(scratch->slots.size() / TriangleBlock::kSize);
-    parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
+}
+
+void fill_blocks(std::span<const uint32_t> slots, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
+                 Blas* blas) {
+    const size_t count = slots.size() / TriangleBlock::kSize;
+    // No more room than they need, and none for those of before.
+    if (count > blas->blocks.capacity()) Blas().blocks.swap(blas->blocks);
+    blas->blocks.resize(count);
+    parallel_for(0, count, kBlockGrain, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            std::copy_n(&scratch->slots[k * TriangleBlock::kSize], TriangleBlock::kSize, blas->blocks[k].primitive);
+            std::copy_n(&slots[k * TriangleBlock::kSize], TriangleBlock::kSize, blas->blocks[k].primitive);
         }
     });
     blas->triangle_count = static_cast<uint32_t>(corners.size());
     place_triangles(positions, corners, blas);
 }
 
-// A triangle in a leaf.
-struct Held {
-    Triangle triangle;
-    Aabb leaf;
-};
+// Whether memory is kept for the next build, or given back as soon as it has served.
+enum class Memory { kKept, kReleased };
 
-// All in leaves, those of a triangle one after another.
-std::vector<Held> all_held(const Blas& blas) {
-    std::vector<Held> all;
-    for (const WideNode& node : blas.tree.nodes) {
-        for (int slot = 0; slot < kWidth; ++slot) {
-            const uint32_t child = node.child[slot];
-            if (child == kEmptyChild || !is_leaf(child)) continue;
-            for (uint32_t k = 0; k < block_count(child) * TriangleBlock::kSize; ++k) {
-                const TriangleBlock& block = blas.blocks[first_block(child) + k / TriangleBlock::kSize];
-                const Triangle triangle = block.triangle(static_cast<int>(k % TriangleBlock::kSize));
-                if (triangle.primitive != kEmptyChild) all.push_back({triangle, node.box(slot)});
-            }
-        }
-    }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Held& a, const Held& b) { return a.triangle.primitive < b.triangle.primitive; });
-    return all;
+template <typename T>
+void release(Memory memory, T* scratch) {
+    if (memory == Memory::kReleased) *scratch = T();
 }
 
-// What is wrong with the places of one triangle; empty where nothing is.
-std::string check_places(std::span<const Held> places, const Triangle& triangle, bool may_have_pieces) {
-    if (places.empty()) return "in no leaf";
-    if (places.size() > 1 && !may_have_pieces) return "in two leaves";
-    for (const Held& place : places) {
-        const Triangle& held = place.triangle;
-        if (is_finite(held) != is_finite(triangle)) return "not finite, or held as if it were not";
-        if (is_finite(triangle) && (held.a != triangle.a || held.b != triangle.b || held.c != triangle.c)) {
-            return "other corners";
-        }
+// The binary tree: into scratch->bvh. Returns whether it has pieces.
+bool build_binary(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder,
+                  Memory memory, BlasScratch* scratch) {
+    Bvh& bvh = scratch->bvh;
+    if (builder == BlasBuilder::kSbvh) {
+        release(Memory::kReleased, &bvh);
+        bvh = build_sbvh(positions, corners, kSbvh).tree;
+    } else if (builder == BlasBuilder::kBinned) {
+        fit_items(positions, corners, &scratch->items);
+        bvh = build_binned_items(scratch->items, kBinned, std::move(bvh));
+        release(memory, &scratch->items);
+    } else {
+        scratch->boxes = boxes_of(positions, corners, std::move(scratch->boxes));
+        bvh = build_sweep(scratch->boxes, kSweep, std::move(bvh));
+        release(memory, &scratch->boxes);
     }
-    if (!is_finite(triangle)) return "";
-    if (places.size() == 1) return places[0].leaf.contains(bounds(triangle)) ? "" : "its leaf does not contain it";
-    std::vector<Aabb> leaves;
-    for (const Held& place : places) leaves.push_back(place.leaf);
-    if (!is_held(triangle, leaves)) return "its leaves do not contain it";
-    return "";
+    if (builder == BlasBuilder::kReinserted || builder == BlasBuilder::kSbvh) reinsert(&bvh, kReinsert);
+    return bvh.primitives.size() > corners.size();
+}
+
+void build(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Memory memory,
+           Blas* blas, BlasScratch* scratch) {
+    blas->has_pieces = build_binary(positions, corners, builder, memory, scratch);
+    fill_tree(scratch->bvh, blas, scratch);
+    release(memory, &scratch->bvh);
+    release(memory, &scratch->collapse);
+    fill_blocks(scratch->slots, positions, corners, blas);
 }
 
 }  // namespace
@@ -225,32 +229,25 @@ Triangle TriangleBlock::triangle(int slot) const {
 void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch) {
     blas->has_pieces = false;
-    fill_blas(bvh, positions, corners, blas, scratch);
+    fill_tree(bvh, blas, scratch);
+    fill_blocks(scratch->slots, positions, corners, blas);
 }
 
 void make_blas(const StaticBvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch) {
     blas->has_pieces = bvh.tree.primitives.size() > bvh.primitive_count;
-    fill_blas(bvh.tree, positions, corners, blas, scratch);
+    fill_tree(bvh.tree, blas, scratch);
+    fill_blocks(scratch->slots, positions, corners, blas);
 }
 
 void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas,
                 BlasScratch* scratch) {
-    if (builder == BlasBuilder::kSbvh) {
-        StaticBvh bvh = build_sbvh(positions, corners, kSbvh);
-        reinsert(&bvh.tree, kReinsert);
-        return make_blas(bvh, positions, corners, blas, scratch);
-    }
-    fit_boxes(positions, corners, &scratch->boxes);
-    scratch->bvh = builder == BlasBuilder::kBinned ? build_binned(scratch->boxes, kBinned, std::move(scratch->bvh))
-                                                   : build_sweep(scratch->boxes, kSweep, std::move(scratch->bvh));
-    if (builder == BlasBuilder::kReinserted) reinsert(&scratch->bvh, kReinsert);
-    make_blas(scratch->bvh, positions, corners, blas, scratch);
+    build(positions, corners, builder, Memory::kKept, blas, scratch);
 }
 
 void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas) {
     BlasScratch scratch;
-    build_blas(positions, corners, builder, blas, &scratch);
+    build(positions, corners, builder, Memory::kReleased, blas, &scratch);
 }
 
 void refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
@@ -258,22 +255,6 @@ void refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3
     place_triangles(positions, corners, blas);
     fit_leaves(blas);
     refit_inner(&blas->tree);
-}
-
-std::string validate(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners) {
-    if (const std::string problem = validate(blas.tree, blas.blocks.size()); !problem.empty()) return problem;
-    if (blas.triangle_count != corners.size()) return "another number of triangles";
-    const std::vector<Held> all = all_held(blas);
-    size_t end = 0;
-    for (uint32_t primitive = 0; primitive < corners.size(); ++primitive) {
-        const size_t begin = end;
-        while (end < all.size() && all[end].triangle.primitive == primitive) ++end;
-        const std::string problem = check_places(std::span(all).subspan(begin, end - begin),
-                                                 triangle_at(positions, corners[primitive], primitive), blas.has_pieces);
-        if (!problem.empty()) return "triangle " + std::to_string(primitive) + ": " + problem;
-    }
-    if (end < all.size()) return "triangle " + std::to_string(all[end].triangle.primitive) + ": out of range";
-    return "";
 }
 
 }  // namespace zoe

@@ -22,6 +22,9 @@ using binning::Item;
 constexpr uint32_t kSubtreeSize = 4096;  // Subtrees of at most this many primitives are built by one thread each.
 constexpr uint32_t kChunkSize = 4096;    // Larger nodes are worked on in chunks of this many, by all threads.
 
+// Subtrees are built some at a time: those of this part of all items, or of so many items, whatever is more.
+constexpr size_t kBatches = 8, kSmallestBatch = 65536;
+
 // A node in the making, over items [begin, end).
 struct Range {
     uint32_t node, begin, end;
@@ -45,7 +48,6 @@ struct Swap {
 };
 
 struct Memory {
-    std::vector<Item> items;
     std::vector<BvhNode> top;
     std::vector<Subtree> subtrees;
     std::vector<Chunk> chunks;
@@ -54,30 +56,25 @@ struct Memory {
 
 class Builder {
 public:
-    Builder(std::span<const Aabb> boxes, const BinnedConfig& config, Memory* memory, Bvh* bvh)
-        : boxes_(boxes),
+    Builder(std::span<Item> items, const BinnedConfig& config, Memory* memory, Bvh* bvh)
+        : items_(items),
           config_(config),
           block_shift_(std::countr_zero(static_cast<uint32_t>(config.block_size))),
           memory_(*memory),
           bvh_(*bvh) {}
 
     void build() {
-        const auto count = static_cast<uint32_t>(boxes_.size());
-        memory_.items.resize(count);
-        parallel_for(0, count, kChunkSize, [&](size_t begin, size_t end) {
-            for (size_t k = begin; k < end; ++k) memory_.items[k] = Item(boxes_[k], static_cast<uint32_t>(k));
-        });
-        bvh_.primitives.resize(count);
+        bvh_.primitives.resize(items_.size());
         grow_top();
-        uint32_t room = static_cast<uint32_t>(memory_.top.size());
-        for (Subtree& subtree : memory_.subtrees) {
-            subtree.room = room;
-            room += 2 * subtree.range.count() - 2;
+        std::vector<Subtree>& subtrees = memory_.subtrees;
+        used_ = static_cast<uint32_t>(memory_.top.size());
+        for (size_t begin = 0, end = 0; begin < subtrees.size(); begin = end) {
+            end = make_room(begin);
+            parallel_for(begin, end, 1, [&](size_t k, size_t) { grow(&subtrees[k]); });
+            close_gaps(std::span(subtrees).subspan(begin, end - begin));
         }
-        bvh_.nodes.resize(room);
         std::copy(memory_.top.begin(), memory_.top.end(), bvh_.nodes.begin());
-        parallel_for(0, memory_.subtrees.size(), 1, [&](size_t k, size_t) { grow(&memory_.subtrees[k]); });
-        close_gaps();
+        bvh_.nodes.resize(used_);
     }
 
 private:
@@ -86,7 +83,7 @@ private:
         memory_.top.assign(1, BvhNode{});
         memory_.subtrees.clear();
         SmallStack<Range, 64> open;
-        open.push({0, 0, static_cast<uint32_t>(boxes_.size())});
+        open.push({0, 0, static_cast<uint32_t>(items_.size())});
         while (!open.is_empty()) {
             const Range range = open.pop();
             if (range.count() <= kSubtreeSize) {
@@ -103,6 +100,22 @@ private:
         }
     }
 
+    // Room after the nodes that are there for any trees over the next subtrees, as many as have a share of all items.
+    // Returns their end. Most trees need a good deal less, and leave their room to those that follow.
+    size_t make_room(size_t begin) {
+        const size_t share = std::max<size_t>(items_.size() / kBatches, kSmallestBatch);
+        size_t room = used_, count = 0, end = begin;
+        for (; end < memory_.subtrees.size() && count < share; ++end) {
+            Subtree& subtree = memory_.subtrees[end];
+            subtree.room = static_cast<uint32_t>(room);
+            count += subtree.range.count();
+            room += 2 * subtree.range.count() - 2;
+        }
+        if (room > bvh_.nodes.capacity()) bvh_.nodes.reserve(room + room / 8);
+        if (room > bvh_.nodes.size()) bvh_.nodes.resize(room);
+        return end;
+    }
+
     void grow(Subtree* subtree) {
         Bins bins;
         std::array<Item, kSubtreeSize> moved;
@@ -114,11 +127,11 @@ private:
             Extents extents;
             const std::span<Item> items = of(range);
             for (const Item& item : items) extents.extend(item);
-            BvhNode& node = bvh_.nodes[range.node];
+            BvhNode& node = range.node == subtree->range.node ? memory_.top[range.node] : bvh_.nodes[range.node];
             node = {vec3(extents.lo), range.begin, vec3(extents.hi), range.count()};
             const uint32_t middle = split(range, extents, &bins, moved.data());
             if (middle == range.begin) {
-                for (uint32_t k = range.begin; k < range.end; ++k) bvh_.primitives[k] = memory_.items[k].index();
+                for (uint32_t k = range.begin; k < range.end; ++k) bvh_.primitives[k] = items_[k].index();
                 continue;
             }
             node.first = next;
@@ -131,7 +144,7 @@ private:
     }
 
     static glm::vec3 vec3(binning::Float4 v) { return {v[0], v[1], v[2]}; }
-    std::span<Item> of(const Range& range) { return std::span(memory_.items).subspan(range.begin, range.count()); }
+    std::span<Item> of(const Range& range) { return items_.subspan(range.begin, range.count()); }
 
     // Few primitives need few bins.
     int bin_count(uint32_t count) const {
@@ -163,32 +176,13 @@ private:
         if (is_better_as_leaf(range.count(), scale.area(extents.lo, extents.hi), best.cost)) return range.begin;
         // All centres in one place: any halves are as good.
         if (best.axis < 0) return range.begin + range.count() / 2;
-        return range.begin + partition(of(range), map, best, moved);
-    }
-
-    // Keeps the order on both sides. Without a branch on where an item goes, which no processor could guess.
-    static uint32_t partition(std::span<Item> items, const BinMap& map, const binning::Split& split, Item* moved) {
-        const int axis = split.axis;
-        const float origin = map.origin[axis], scale = map.scale[axis];
-        const auto first_right = static_cast<float>(split.bin);
-        uint32_t left = 0, right = 0;
-        for (const Item& item : items) {
-            const Item copy = item;
-            // As `map` has it, for one axis.
-            const bool is_left = (0.5f * copy.lo[axis] + 0.5f * copy.hi[axis] - origin) * scale < first_right;
-            items[left] = copy;
-            moved[right] = copy;
-            left += is_left ? 1 : 0;
-            right += is_left ? 0 : 1;
-        }
-        std::copy_n(moved, right, items.begin() + left);
-        return left;
+        return range.begin + binning::partition(of(range), map, best, moved);
     }
 
     template <typename Body>
     void for_each_chunk(const Range& range, const Body& body) {
         parallel_for(range.begin, range.end, kChunkSize, [&](size_t begin, size_t end) {
-            body(memory_.chunks[(begin - range.begin) / kChunkSize], std::span(memory_.items).subspan(begin, end - begin));
+            body(memory_.chunks[(begin - range.begin) / kChunkSize], items_.subspan(begin, end - begin));
         });
     }
 
@@ -213,7 +207,7 @@ private:
         if (best.axis < 0) return range.begin + range.count() / 2;
         for_each_chunk(range, [&](Chunk& chunk, std::span<Item> items) {
             std::array<Item, kChunkSize> moved;
-            chunk.left_count = partition(items, map, best, moved.data());
+            chunk.left_count = binning::partition(items, map, best, moved.data());
         });
         return swap_sides(range, chunk_count);
     }
@@ -247,7 +241,7 @@ private:
         parallel_for(0, memory_.swaps.size(), 8, [&](size_t begin, size_t end) {
             for (size_t k = begin; k < end; ++k) {
                 const Swap& swap = memory_.swaps[k];
-                const auto items = memory_.items.begin();
+                const auto items = items_.begin();
                 std::swap_ranges(items + swap.a, items + swap.a + swap.count, items + swap.b);
             }
         });
@@ -255,21 +249,21 @@ private:
     }
 
     // Subtrees move together; inside of one nothing changes but by how far it moved.
-    void close_gaps() {
-        uint32_t used = static_cast<uint32_t>(memory_.top.size());
-        for (const Subtree& subtree : memory_.subtrees) {
-            const uint32_t shift = subtree.room - used;
+    void close_gaps(std::span<const Subtree> subtrees) {
+        for (const Subtree& subtree : subtrees) {
+            const uint32_t shift = subtree.room - used_;
             const auto move = [&](BvhNode node) {
                 if (!node.is_leaf()) node.first -= shift;
                 return node;
             };
-            bvh_.nodes[subtree.range.node] = move(bvh_.nodes[subtree.range.node]);
-            for (uint32_t k = subtree.room; k < subtree.room + subtree.used; ++k) bvh_.nodes[used++] = move(bvh_.nodes[k]);
+            BvhNode& root = memory_.top[subtree.range.node];
+            root = move(root);
+            for (uint32_t k = subtree.room; k < subtree.room + subtree.used; ++k) bvh_.nodes[used_++] = move(bvh_.nodes[k]);
         }
-        bvh_.nodes.resize(used);
     }
 
-    std::span<const Aabb> boxes_;
+    std::span<Item> items_;
+    uint32_t used_ = 0;  // Nodes that are there, one after another.
     const BinnedConfig& config_;
     int block_shift_;
     Memory& memory_;
@@ -278,17 +272,28 @@ private:
 
 }  // namespace
 
-Bvh build_binned(std::span<const Aabb> boxes, const BinnedConfig& config, Bvh storage) {
+Bvh build_binned_items(std::span<binning::Item> items, const BinnedConfig& config, Bvh storage) {
     assert(std::has_single_bit(static_cast<uint32_t>(config.block_size)));
     assert(config.bin_count >= 2 && config.bin_count <= binning::kMaxBins);
-    if (boxes.empty()) {
+    if (items.empty()) {
         storage.nodes.clear();
         storage.primitives.clear();
         return storage;
     }
     static thread_local Memory memory;
-    Builder(boxes, config, &memory, &storage).build();
+    Builder(items, config, &memory, &storage).build();
     return storage;
+}
+
+Bvh build_binned(std::span<const Aabb> boxes, const BinnedConfig& config, Bvh storage) {
+    static thread_local std::vector<Item> items;
+    items.resize(boxes.size());
+    // Named here: on other threads the variable is another one.
+    const std::span<Item> all = items;
+    parallel_for(0, boxes.size(), kChunkSize, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) all[k] = Item(boxes[k], static_cast<uint32_t>(k));
+    });
+    return build_binned_items(all, config, std::move(storage));
 }
 
 }  // namespace zoe

@@ -54,8 +54,9 @@ public:
             SplitScratch scratch;
             Range range = ranges[k];
             range.node = 0;
-            parts.subtrees[k].resize(1);
-            grow(range, 0, &parts.subtrees[k], nullptr, &scratch);
+            std::vector<BvhNode> nodes(1);
+            grow(range, 0, &nodes, nullptr, &scratch);
+            parts.subtrees[k].assign(nodes.begin(), nodes.end());  // No larger than it is.
         });
         Bvh bvh;
         bvh.nodes = assemble(&parts);
@@ -122,35 +123,55 @@ private:
             config_.node_cost * area + cost >= area * (((range.count - 1) >> block_shift_) + 1)) {
             return false;
         }
-        scratch->left.clear();
-        scratch->right.clear();
-        if (spatial.cost < object.cost) part(range, spatial, scratch);
-        if (scratch->left.empty() || scratch->right.empty()) part(range, object, scratch);
-        place(range, scratch, left, right);
+        if (range.count > kSubtreeSize) release_search(scratch);
+        uint32_t left_count = spatial.cost < object.cost ? part(range, spatial, scratch) : 0;
+        // With one side empty all stand where they stood.
+        if (left_count == 0 || scratch->right.empty()) left_count = part(range, object, scratch);
+        place(range, left_count, *scratch, left, right);
         return true;
     }
 
-    void part(const Range& range, const ObjectSplit& split, SplitScratch* scratch) {
-        scratch->left.clear();
+    // A large node's search needs memory that is as large; what it leaves is needed no more.
+    static void release_search(SplitScratch* scratch) {
+        for (std::vector<double>& areas : scratch->right_areas) std::vector<double>().swap(areas);
+        std::vector<uint64_t>().swap(scratch->keys[1]);
+        std::vector<uint64_t>().swap(scratch->keys[2]);
+    }
+
+    // Puts the left side where the range begins, and the right one into scratch->right. Returns how many are left.
+    uint32_t part(const Range& range, const ObjectSplit& split, SplitScratch* scratch) {
         scratch->right.clear();
+        scratch->right.reserve(range.count - split.position);
         const std::vector<uint64_t>& order = scratch->orders[split.axis];
         // In the order that they stand in: whatever was near in memory stays so.
         std::vector<uint64_t>& is_left = scratch->keys[0];
         is_left.assign(range.count, 0);
         for (uint32_t k = 0; k < split.position; ++k) is_left[static_cast<uint32_t>(order[k])] = 1;
         const std::span<Reference> references = of(range);
+        uint32_t left_count = 0;
         for (uint32_t k = 0; k < range.count; ++k) {
-            (is_left[k] ? scratch->left : scratch->right).push_back(references[k]);
+            if (is_left[k]) {
+                references[left_count++] = references[k];
+            } else {
+                scratch->right.push_back(references[k]);
+            }
         }
+        return left_count;
     }
 
     // Cuts what crosses the plane, but for what costs less whole on one side.
-    void part(const Range& range, SpatialSplit split, SplitScratch* scratch) {
+    uint32_t part(const Range& range, SpatialSplit split, SplitScratch* scratch) {
+        scratch->right.clear();
+        scratch->right.reserve(std::min(split.right_count, range.count));
         const int axis = split.axis;
         uint32_t copies_left = range.capacity - range.count;
-        for (const Reference& reference : of(range)) {
+        const std::span<Reference> references = of(range);
+        uint32_t left_count = 0;
+        const auto put_left = [&](const Reference& reference) { references[left_count++] = reference; };
+        for (uint32_t k = 0; k < range.count; ++k) {
+            const Reference reference = references[k];
             if (reference.box.hi[axis] <= split.plane) {
-                scratch->left.push_back(reference);
+                put_left(reference);
                 continue;
             }
             if (reference.box.lo[axis] >= split.plane) {
@@ -166,10 +187,10 @@ private:
             const bool may_cut = copies_left > 0 && !pieces.left.is_empty() && !pieces.right.is_empty();
             if (may_cut && cut_cost < std::min(left_cost, right_cost)) {
                 --copies_left;
-                scratch->left.push_back({pieces.left, reference.primitive, true});
+                put_left({pieces.left, reference.primitive, true});
                 scratch->right.push_back({pieces.right, reference.primitive, true});
             } else if (left_cost <= right_cost) {
-                scratch->left.push_back(reference);
+                put_left(reference);
                 split.left = left_whole;
                 if (split.right_count > 0) --split.right_count;
             } else {
@@ -178,17 +199,17 @@ private:
                 if (split.left_count > 0) --split.left_count;
             }
         }
+        return left_count;
     }
 
     // The rest of the budget goes where rays will spend more: by area times count.
-    void place(const Range& range, SplitScratch* scratch, Range* left, Range* right) {
-        const auto left_count = static_cast<uint32_t>(scratch->left.size());
-        const auto right_count = static_cast<uint32_t>(scratch->right.size());
+    void place(const Range& range, uint32_t left_count, const SplitScratch& scratch, Range* left, Range* right) {
+        const auto right_count = static_cast<uint32_t>(scratch.right.size());
         assert(uint64_t(left_count) + right_count <= range.capacity);
         const uint32_t rest = range.capacity - left_count - right_count;
         Aabb left_bounds, right_bounds;
-        for (const Reference& reference : scratch->left) left_bounds.extend(reference.box);
-        for (const Reference& reference : scratch->right) right_bounds.extend(reference.box);
+        for (const Reference& reference : of(range).first(left_count)) left_bounds.extend(reference.box);
+        for (const Reference& reference : scratch.right) right_bounds.extend(reference.box);
         const double left_weight = left_bounds.half_area() * left_count,
                      right_weight = right_bounds.half_area() * right_count;
         const double weight = left_weight + right_weight;
@@ -196,8 +217,7 @@ private:
         const uint32_t left_capacity = left_count + std::min(rest, static_cast<uint32_t>(share * rest));
         *left = {0, range.begin, left_count, left_capacity};
         *right = {0, range.begin + left_capacity, right_count, range.capacity - left_capacity};
-        std::copy(scratch->left.begin(), scratch->left.end(), references_.begin() + left->begin);
-        std::copy(scratch->right.begin(), scratch->right.end(), references_.begin() + right->begin);
+        std::copy(scratch.right.begin(), scratch.right.end(), references_.begin() + right->begin);
     }
 
     // Leaves stand one after another, in the order of the nodes, references with them.

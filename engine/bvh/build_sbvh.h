@@ -19,7 +19,7 @@ struct SbvhConfig {
 /// positions  [vertex_count] local space.
 /// corners    [triangle_count] indices into positions. Triangles that are not finite are in the tree and bound nothing.
 /// Cost       O(n log n) at usual numbers of bins, in parallel over subtrees; the same tree whatever the number of threads;
-///            about 180 bytes a triangle at its peak, on the way through the root.
+///            about 120 bytes a triangle at its peak, on the way through the root.
 /// Source     Stich, Friedrich, Dietrich. Spatial Splits in Bounding Volume Hierarchies. HPG 2009. Deviation: the budget of
 ///            references is shared out on the way down by area times count, so that subtrees need not know of each other.
 StaticBvh build_sbvh(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,

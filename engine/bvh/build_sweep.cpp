@@ -48,9 +48,14 @@ public:
         for (size_t k = 0; k < roots.size(); ++k) parts.subtree_of_top[roots[k]] = static_cast<uint32_t>(k);
         // A subtree's work is on its own range of every array.
         parallel_for(0, roots.size(), 1, [&](size_t k, size_t) {
-            parts.subtrees[k].push_back(parts.top[roots[k]]);
-            grow(&parts.subtrees[k], 0, nullptr);
+            const BvhNode& root = parts.top[roots[k]];
+            std::vector<BvhNode> nodes;
+            nodes.reserve(2 * root.count - 1);
+            nodes.push_back(root);
+            grow(&nodes, 0, nullptr);
+            parts.subtrees[k].assign(nodes.begin(), nodes.end());  // No larger than it is.
         });
+        release_work();
         bvh_.nodes = assemble(&parts, std::move(bvh_.nodes));
         bvh_.primitives = std::move(sorted_[0]);
     }
@@ -80,6 +85,15 @@ private:
             open.push(children + 1);
             open.push(children);
         }
+    }
+
+    // Gives back all but the primitives' order: the nodes are to be there twice.
+    void release_work() {
+        std::vector<uint32_t>().swap(sorted_[1]);
+        std::vector<uint32_t>().swap(sorted_[2]);
+        for (std::vector<double>& costs : costs_) std::vector<double>().swap(costs);
+        std::vector<uint8_t>().swap(is_left_);
+        std::vector<uint32_t>().swap(moved_);
     }
 
     void sort_along(int axis) {

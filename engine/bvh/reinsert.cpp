@@ -226,16 +226,19 @@ void put_in_order(Bvh* bvh) {
 ReinsertCounts reinsert(Bvh* bvh, const ReinsertConfig& config) {
     ReinsertCounts counts;
     if (bvh->nodes.size() < 5) return counts;  // Two leaves or three nodes have no other tree worth a search.
-    Optimiser optimiser(bvh, config.max_visits);
-    double cost = 0.0;
-    for (const BvhNode& node : bvh->nodes) cost += node.bounds().half_area() * (node.is_leaf() ? node.count : 1.0);
-    while (counts.rounds < config.max_rounds) {
-        double gain = 0.0;
-        counts.moves += optimiser.improve(config.candidate_share, &gain);
-        ++counts.rounds;
-        if (!(gain > config.min_gain * cost)) break;
-        cost -= gain;
+    {
+        Optimiser optimiser(bvh, config.max_visits);
+        double cost = 0.0;
+        for (const BvhNode& node : bvh->nodes) cost += node.bounds().half_area() * (node.is_leaf() ? node.count : 1.0);
+        while (counts.rounds < config.max_rounds) {
+            double gain = 0.0;
+            counts.moves += optimiser.improve(config.candidate_share, &gain);
+            ++counts.rounds;
+            if (!(gain > config.min_gain * cost)) break;
+            cost -= gain;
+        }
     }
+    // Here, where the search's memory is given back: the nodes are there twice.
     put_in_order(bvh);
     return counts;
 }

@@ -37,7 +37,7 @@ struct SplitScratch {
     std::array<std::vector<uint64_t>, 3> orders;  ///< Keys of the references, by centre, an order an axis.
     std::array<std::vector<uint64_t>, 3> keys;
     std::array<std::vector<double>, 3> right_areas;
-    std::vector<Reference> left, right;
+    std::vector<Reference> right;  ///< That side of a split, on its way to its place.
 };
 
 /// Tries every position along every axis. Among equal costs the most even split wins.

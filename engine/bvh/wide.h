@@ -64,9 +64,19 @@ struct CollapseConfig {
 
 /// Memory that one collapse hands to the next.
 struct CollapseScratch {
+    /// What a subtree costs least.
     struct Plan {
-        float costs[kWidth - 1];  ///< [k] the least cost of the subtree as a forest of at most k + 1 trees.
-        uint32_t primitive_count : 31, is_leaf : 1;  ///< As one tree it is a leaf.
+        float costs[kWidth - 1];   ///< [k] as a forest of at most k + 1 trees.
+        uint32_t primitive_count;  ///< 0: not planned yet.
+    };
+    /// A node whose parent is planned apart from it, or which is to be planned after all that are planned in parallel.
+    struct Waiting {
+        uint32_t node, choice;
+        Plan plan;
+    };
+    /// A wide node before there is room for it: what its children are made of, and their words.
+    struct Sketch {
+        uint32_t binary[kWidth], child[kWidth];
     };
     /// What neighbours on a level are made into, apart from all others.
     struct Part {
@@ -75,9 +85,11 @@ struct CollapseScratch {
         std::vector<uint32_t> below;      ///< Nodes of a subtree that are still to be visited.
         uint32_t first_next, first_slot;  ///< Where these two go.
     };
-    std::vector<Plan> plans;           ///< [binary nodes]
-    std::vector<uint32_t> open, next;  ///< Binary nodes of a level, in the order of their wide nodes.
-    std::vector<Part> parts;           ///< Of a level.
+    std::vector<uint32_t> choices;              ///< [binary nodes] how forests are divided; all that is left of a plan.
+    std::vector<std::vector<Waiting>> waiting;  ///< Of each range that is planned in parallel, from its back.
+    std::vector<uint32_t> roots;                ///< [wide nodes] the binary node that each is made of.
+    std::vector<Sketch> sketches;               ///< [wide nodes]
+    std::vector<Part> parts;                    ///< Of a level.
 };
 
 /// Makes the wide tree of a binary one: the one of least SAH cost among all that join the binary tree's nodes, its leaves
