@@ -15,6 +15,12 @@ constexpr size_t kPlanGrain = 4096;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr uint32_t kWaits = 1u << 31;  // While nodes are planned, in place of a choice: the node waits, and where.
 
+using Costs = float __attribute__((vector_size(kWidth * sizeof(float))));
+using Counts = int32_t __attribute__((vector_size(kWidth * sizeof(int32_t))));
+
+// One tree where a choice has it for k + 1 trees, in lane k.
+constexpr Counts kPlacedOne{0, 1, 1 << 3, 1 << 6, 1 << 9, 1 << 12, 1 << 15, 1 << 18};
+
 // Plans bottom up what each subtree costs least as.
 class Planner {
 public:
@@ -46,13 +52,11 @@ public:
 private:
     using Plan = CollapseScratch::Plan;
     using Waiting = CollapseScratch::Waiting;
-    using Costs = float __attribute__((vector_size(kWidth * sizeof(float))));
-    using Counts = int32_t __attribute__((vector_size(kWidth * sizeof(int32_t))));
 
     // [k] of two subtrees as a forest of k + 1 trees.
     struct Forests {
         Costs costs;    // The least; none for k = 0.
-        Counts firsts;  // How many trees the first then gets: as few as may be.
+        Counts firsts;  // How many trees the first then gets, as few as may be, where a choice has it.
     };
 
     // Chance of a ray through the root to enter the node.
@@ -65,14 +69,17 @@ private:
         float shifted[2 * kWidth];
         std::fill_n(shifted, kWidth, kInfinity);
         std::copy_n(b.costs, kWidth - 1, shifted + kWidth);
-        Forests best{Costs{} + kInfinity, Counts{} + 1};
+        Forests best{Costs{} + kInfinity, kPlacedOne};
+        Counts firsts = kPlacedOne;
         for (int i = 0; i < kWidth - 1; ++i) {
             Costs costs;
             std::memcpy(&costs, shifted + kWidth - 1 - i, sizeof costs);
             costs += a.costs[i];
-            const Counts is_less = costs < best.costs;
-            best.costs = is_less ? costs : best.costs;
-            best.firsts = is_less ? Counts{} + (i + 1) : best.firsts;
+            const Costs least = costs < best.costs ? costs : best.costs;
+            const Counts is_less = least != best.costs;  // By the least, which takes one instruction.
+            best.costs = least;
+            best.firsts = is_less ? firsts : best.firsts;
+            firsts += kPlacedOne;
         }
         return best;
     }
@@ -132,7 +139,7 @@ private:
         const float node_cost = chance(node) + forests.costs[kWidth - 1];
         uint32_t choice = leaf_cost < node_cost ? CollapseChoice::kLeaf : 0;
         plan->costs[0] = std::min(leaf_cost, node_cost);
-        for (int k = 1; k < kWidth; ++k) choice |= static_cast<uint32_t>(forests.firsts[k]) << 3 * (k - 1);
+        for (int k = 1; k < kWidth; ++k) choice |= static_cast<uint32_t>(forests.firsts[k]);
         for (int k = 1; k < kWidth - 1; ++k) {
             plan->costs[k] = std::min(plan->costs[k - 1], forests.costs[k]);
             if (plan->costs[k] == plan->costs[k - 1]) choice |= CollapseChoice::kSame << (k - 1);
