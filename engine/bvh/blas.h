@@ -33,7 +33,9 @@ struct Blas {
     uint32_t not_finite_count = 0;  ///< Triangles with a NaN or infinite corner: in the tree, never hit.
     bool has_pieces = false;        ///< Leaves may bound pieces of triangles that others hold, too: never to be refitted.
 
-    size_t byte_count() const { return tree.nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(TriangleBlock); }
+    size_t byte_count() const {
+        return tree.nodes.capacity() * sizeof(WideNode) + blocks.capacity() * sizeof(TriangleBlock);
+    }
 };
 
 enum class BlasBuilder : uint8_t {

@@ -57,7 +57,11 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
         return;
     }
     const Clock::time_point start = Clock::now();
-    build_blas(positions, corners, method.builder, blas, scratch);
+    if (method.is_cached) {
+        build_blas(positions, corners, method.builder, blas);  // once: it keeps no scratch
+    } else {
+        build_blas(positions, corners, method.builder, blas, scratch);
+    }
     const double build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
 }
