@@ -153,7 +153,12 @@ bool any_hit_blas(const Blas& blas, const RayFrame& frame, float t_floor, float 
 }
 
 const char* target() {
-    return hwy::TargetName(HWY_TARGET);
+    static const std::string name = [] {
+        std::string lower = hwy::TargetName(HWY_TARGET);
+        for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        return lower;
+    }();
+    return name.c_str();
 }
 
 }  // namespace HWY_NAMESPACE
@@ -188,12 +193,7 @@ bool any_hit(const Blas& blas, const RayFrame& ray, float t_floor, float t_min, 
 }
 
 const char* simd_target() {
-    static const std::string name = [] {
-        std::string lower = HWY_DYNAMIC_DISPATCH(target)();
-        for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-        return lower;
-    }();
-    return name.c_str();
+    return HWY_DYNAMIC_DISPATCH(target)();
 }
 
 }  // namespace zoe
