@@ -16,6 +16,7 @@ double predicted_build_s(BlasBuilder builder, uint64_t triangle_count);
 /// the budget allows. It goes by counts and not by a clock, so that the same scene has the same trees everywhere.
 /// triangle_count   of all trees together.
 /// Returns    kBinned where there are few rays or little time, else kReinserted or kSbvh.
+/// Source     Its own: the crossover of build and trace times that the benchmark's `--trees` measures.
 BlasBuilder choose_builder(uint64_t triangle_count, const AutoConfig& config = {});
 
 }  // namespace zoe
