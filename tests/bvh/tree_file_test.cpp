@@ -1,6 +1,7 @@
 // What is in a tree's file: round trips, and files that are broken or lie.
 
 #include <bit>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -221,6 +222,27 @@ TEST_F(TreeFile, ForgedTreesAreRefusedOrHarmless) {
     EXPECT_GT(refused_count, kTries / 10);
     EXPECT_LT(refused_count, kTries);
     EXPECT_EQ(take_warning_count(&cache), static_cast<uint64_t>(refused_count));
+}
+
+// A slot without a child whose box a ray would enter: NaN planes do not limit it.
+TEST(TreeFileSlots, WithoutAChildHoldNothingToTheBit) {
+    const TestMesh mesh = random_soup(300, 0.1f, 96);
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kSbvh, &blas);
+    ASSERT_EQ(validate(blas.tree, blas.blocks.size()), "");
+    for (const float plane : {NAN, 0.0f}) {
+        WideBvh forged = blas.tree;
+        bool is_forged = false;
+        for (WideNode& node : forged.nodes) {
+            for (int slot = 0; slot < kWidth && !is_forged; ++slot) {
+                if (node.child[slot] != kEmptyChild) continue;
+                for (int row = 0; row < 6; ++row) node.planes[row][slot] = row % 2 ? std::nextafter(plane, -1.0f) : plane;
+                is_forged = true;
+            }
+        }
+        ASSERT_TRUE(is_forged);
+        EXPECT_NE(validate(forged, blas.blocks.size()), "") << plane;
+    }
 }
 
 }  // namespace
