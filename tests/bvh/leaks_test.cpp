@@ -118,6 +118,18 @@ TEST(Leaks, NoneInASphereFromItsCentre) {
         blas_of(mesh, BlasBuilder::kBinned), mesh, [](Rng&) { return glm::vec3(0.0f); }, 143);
 }
 
+TEST(Leaks, NoneInTreesOfPieces) {
+    // Long thin triangles across each other's boxes: spatial splits pay.
+    TestMesh mesh = torus(96, 64);
+    for (glm::vec3& p : mesh.positions) p = glm::vec3(p.x + 40.0f * p.y, p.y, p.z + 25.0f * p.y);
+    const Blas blas = blas_of(mesh, BlasBuilder::kSbvh);
+    EXPECT_TRUE(blas.has_pieces);
+    expect_closed(
+        blas, mesh, [](Rng& rng) { return from_outside(rng) * 20.0f; }, 153);
+    const TestMesh sphere = icosphere(5);
+    expect_closed(blas_of(sphere, BlasBuilder::kSbvh), sphere, from_inside, 154);
+}
+
 TEST(Leaks, NoneInATorusFromInsideItsTube) {
     const TestMesh mesh = torus(96, 64);
     expect_closed(blas_of(mesh, BlasBuilder::kBinned), mesh, from_inside_the_tube, 144);
