@@ -45,19 +45,19 @@ struct Shape {
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
     std::vector<NodeId> parents_first;
-    std::vector<NodeMotion> motions;                     ///< [node_count]
-    std::vector<Trs> locals;                             ///< [node_count] this frame's, where the node has no matrix.
-    std::vector<Affine> local_matrices, world_matrices;  ///< [node_count] this frame's.
-    std::vector<std::vector<float>> weights;             ///< [node_count] this frame's; empty where nothing is morphed.
-    double time_s = 0.0;                                 ///< Of this frame.
-    std::vector<float> sampled;                          ///< Scratch.
-    std::vector<Shape> shapes;                           ///< In order of their nodes.
-    std::vector<Blas> shared_blases;                     ///< [mesh_count] of meshes shown undeformed.
-    std::vector<uint8_t> is_shared_blas_built;           ///< [mesh_count]
-    BlasBuilder still_builder = BlasBuilder::kSbvh;      ///< What trees that never change are built with.
-    std::vector<Shape*> blas_work;                       ///< Scratch of update_blas: trees that change in this frame.
-    size_t written_mesh_count = 0;                       ///< Meshes that the user had written when nodes were classified.
-    std::vector<Aabb> bounds;                            ///< Scratch of build_tlas.
+    std::vector<NodeMotion> motions;                       ///< [node_count]
+    std::vector<Trs> locals;                               ///< [node_count] this frame's, where the node has no matrix.
+    std::vector<Affine> local_matrices, world_matrices;    ///< [node_count] this frame's.
+    std::vector<std::vector<float>> weights;               ///< [node_count] this frame's; empty where nothing is morphed.
+    double time_s = 0.0;                                   ///< Of this frame.
+    std::vector<float> sampled;                            ///< Scratch.
+    std::vector<Shape> shapes;                             ///< In order of their nodes.
+    std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
+    std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
+    BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
+    std::vector<Shape*> blas_work;                         ///< Scratch of update_blas: trees that change in this frame.
+    size_t written_mesh_count = 0;                         ///< Meshes that the user had written when nodes were classified.
+    std::vector<Aabb> bounds;                              ///< Scratch of build_tlas.
     Tlas tlas;
 };
 

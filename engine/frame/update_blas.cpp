@@ -47,6 +47,7 @@ struct CacheCounts {
 };
 
 // Builds a tree, or reads it where that is faster.
+// scratch    null where the tree is not rebuilt every frame.
 void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, const Method& method, TreeCache* cache,
           Blas* blas, BlasScratch* scratch, CacheCounts* counts) {
     using Clock = std::chrono::steady_clock;
@@ -57,10 +58,10 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
         return;
     }
     const Clock::time_point start = Clock::now();
-    if (method.is_cached) {
-        build_blas(positions, corners, method.builder, blas);  // once: it keeps no scratch
-    } else {
+    if (scratch) {
         build_blas(positions, corners, method.builder, blas, scratch);
+    } else {
+        build_blas(positions, corners, method.builder, blas);
     }
     const double build_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
@@ -73,8 +74,7 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
     } else {
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
         make(shape->positions, mesh.corners, method_for(shape->motion.motion, state), scene.tree_cache.get(), shape->blas,
-             &shape->blas_scratch, counts);
-        if (!is_rebuilt_often) shape->blas_scratch = {};
+             is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
     }
     shape->has_blas = true;
 }

@@ -9,7 +9,7 @@ TEST(BuildAuto, FewRaysAskForAQuickBuildAndManyForAGoodTree) {
     for (const uint64_t triangles : {100ull, 20'000ull, 1'000'000ull}) {
         SCOPED_TRACE(triangles);
         EXPECT_EQ(choose_builder(triangles, {.rays = 0.0}), BlasBuilder::kBinned);
-        EXPECT_EQ(choose_builder(triangles, {.rays = 1e12}), BlasBuilder::kSbvh);
+        EXPECT_EQ(choose_builder(triangles, {.rays = 1e12}), BlasBuilder::kReinserted);
     }
 }
 
