@@ -32,7 +32,7 @@ TEST(Memory, OfABuildIsAtMostTwoAndAHalfTimesThatOfItsTree) {
     }
 }
 
-TEST(Memory, OfTheTreesThatScenesGetIsAtMost70BytesATriangle) {
+TEST(Memory, OfBinnedSweptAndSplitTreesIsAtMost70BytesATriangle) {
     const TestMesh mesh = random_soup(100'000, 0.02f, 172);
     for (const BlasBuilder builder : {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kSbvh}) {
         Blas blas;
