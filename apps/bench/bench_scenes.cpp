@@ -23,7 +23,7 @@ std::span<const BenchScene> bench_scenes() {
         BenchScene{"skinned", "skinned-100", 8, {512, 512}, "100 walking figures"},
         BenchScene{"arbitrary", "arbitrary-20000", 8, {512, 512}, "20,000 triangles that explode"},
         BenchScene{"topology", "topology-98", 8, {512, 512}, "drops that merge and part: other triangles every frame"},
-        BenchScene{"mixed", "mixed-20", 60, {1024, 1024}, "a static room, 100 rigid objects, a cloth, an explosion"},
+        BenchScene{"mixed", "mixed-20", 60, {1024, 1024}, "a static room, 100 rigid objects, a cloth, an explosion", 2},
         BenchScene{"instances-1000", "instances-1000", 8, {512, 512}, "1,000 copies that all move every frame"},
         BenchScene{"instances-10000", "instances-10000", 8, {512, 512}, "10,000 of them"},
         BenchScene{"instances-100000", "instances-100000", 8, {512, 512}, "100,000 of them"},
@@ -54,10 +54,10 @@ BenchScene find_bench_scene(const std::string& name) {
 
 std::string list_bench_scenes() {
     std::string text =
-        "Played unless told otherwise (frames, primary rays; a diffuse ray from each of their hits, a shadow\n"
-        "ray from both):\n";
+        "Played unless told otherwise (repeats, frames, primary rays; a diffuse ray from each of their hits, a\n"
+        "shadow ray from both):\n";
     for (const BenchScene& scene : bench_scenes()) {
-        text += fmt::format("  {:<17}{:>3} x {:<11}{}\n", scene.name, scene.frame_count,
+        text += fmt::format("  {:<17}{} x {:>2} x {:<11}{}\n", scene.name, scene.repeats, scene.frame_count,
                             fmt::format("{}x{}", scene.size.width, scene.size.height), scene.description);
     }
     text += "\nAlso any of these as NAME or NAME-SIZE, and any .glb or .gltf file or mesh sequence by its path:\n";

@@ -14,6 +14,7 @@ struct BenchScene {
     int frame_count = 8;
     PictureSize size{512, 512};
     std::string description;
+    int repeats = 3;  ///< Times that it is played.
 };
 
 std::span<const BenchScene> bench_scenes();

@@ -144,6 +144,7 @@ FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
 }
 
 void FrameRun::try_peers(int frame, size_t turn, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials) {
+    const bool is_warm_up = turn == 0;
     tlas_ = &advance(content_, frame / kBenchFps, nullptr);
     for (size_t i = 0; i < peers.size(); ++i) {
         const size_t k = (turn + i) % peers.size();
@@ -152,7 +153,7 @@ void FrameRun::try_peers(int frame, size_t turn, std::span<EmbreePeer* const> pe
     }
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
-        const std::span<const EmbreeRays> forms = forms_of(kind);
+        const std::span<const EmbreeRays> forms = forms_of(kind).first(is_warm_up ? 1 : forms_of(kind).size());
         for (size_t i = 0; i < forms.size() * peers.size(); ++i, ++turn) {
             const size_t k = turn % peers.size();
             const EmbreeRays form = forms[(turn / peers.size()) % forms.size()];

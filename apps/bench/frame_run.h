@@ -36,7 +36,7 @@ public:
         std::array<std::array<double, kEmbreeRays.size()>, kRayKindCount> trace_ms{};  ///< [kind][how handed over]
     };
     /// Plays a frame with each peer alone, in turn, so that a drifting machine hits all of them.
-    /// turn       who comes first: counted up from trial to trial.
+    /// turn       who comes first: counted up from trial to trial; 0 warms up, each kind of rays in one form only.
     /// trials     [peer_count] what the frame took is added.
     void try_peers(int frame, size_t turn, std::span<EmbreePeer* const> peers, std::span<PeerTrial> trials);
 

@@ -82,6 +82,7 @@ std::vector<BenchScene> choose_scenes(const Options& options, const std::vector<
             BenchScene scene = find_bench_scene(line.scene);
             scene.frame_count = static_cast<int>(line.hashes.size());
             scene.size = line.size;
+            scene.repeats = 1;
             scenes.push_back(std::move(scene));
         }
         return scenes;
@@ -95,6 +96,7 @@ std::vector<BenchScene> choose_scenes(const Options& options, const std::vector<
     for (BenchScene& scene : scenes) {
         if (options.frames) scene.frame_count = *options.frames;
         if (options.size) scene.size = *options.size;
+        if (options.repeats) scene.repeats = *options.repeats;
     }
     return scenes;
 }
@@ -140,10 +142,8 @@ int run(const Options& options) {
     check_outputs(options, scenes);
     catch_interrupts();
 
-    const PlayConfig config{.repeats = options.expected_hashes ? 1 : options.repeats,
-                            .has_peer = options.has_peer,
-                            .is_peer_robust = options.is_peer_robust,
-                            .is_peer_high = options.is_peer_high};
+    const PlayConfig config{
+        .has_peer = options.has_peer, .is_peer_robust = options.is_peer_robust, .is_peer_high = options.is_peer_high};
     Machine machine = describe_machine();
     if (options.has_peer) machine.emplace_back("peer", EmbreePeer::version());
     fmt::print("{}", machine_text(machine));

@@ -46,10 +46,7 @@ void add_options(CLI::App& app, Options& options, Texts& texts) {
         ->group(what);
     app.add_option("--frames", options.frames, "Frames measured, after one that warms up")->type_name("N")->group(what);
     app.add_option("--size", texts.size, "Primary rays")->type_name("WxH")->group(what);
-    app.add_option("--repeats", options.repeats, "Times that each scene is played")
-        ->type_name("R")
-        ->capture_default_str()
-        ->group(what);
+    app.add_option("--repeats", options.repeats, "Times that each scene is played")->type_name("R")->group(what);
     app.add_option("--threads", options.threads, "Threads to use (all)")->type_name("N")->group(what);
 
     const char* const peer = "Beside a peer";
@@ -102,7 +99,7 @@ std::optional<Options> parse_options(int argc, char** argv) {
     app.get_formatter()->column_width(34);
     if (!parse_command_line(app, argc, argv)) return std::nullopt;
     require(!options.frames || (*options.frames >= 1 && *options.frames <= 100'000), "--frames: a number from 1 to 100000");
-    require(options.repeats >= 1 && options.repeats <= 1000, "--repeats: a number from 1 to 1000");
+    require(!options.repeats || (*options.repeats >= 1 && *options.repeats <= 1000), "--repeats: a number from 1 to 1000");
     require(!app.count("--threads") || (options.threads >= 1 && options.threads <= 1024),
             "--threads: a number from 1 to 1024");
     if (app.count("--size")) options.size = parse_size(texts.size);

@@ -15,8 +15,8 @@ struct Options {
     bool compares_trees = false;      ///< Builders instead of frames.
     std::optional<int> frames;        ///< Measured ones; each scene has its own number otherwise.
     std::optional<PictureSize> size;  ///< Likewise.
-    int repeats = 2;
-    int threads = 0;  ///< 0: all.
+    std::optional<int> repeats;       ///< Likewise.
+    int threads = 0;                  ///< 0: all.
 
     bool has_peer = false;
     bool is_peer_robust = false, is_peer_high = false;

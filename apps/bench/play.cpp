@@ -18,7 +18,7 @@ namespace zoe {
 namespace {
 
 /// Frames by which the peer's configurations are told apart, after one that warms up.
-constexpr int kTrialFrames = 4;
+constexpr int kTrialFrames = 3;
 /// One that takes this many times the best one's time so far is given up, after so many frames.
 constexpr double kFarBehind = 1.2;
 constexpr int kFramesBeforeGivingUp = 2;
@@ -92,9 +92,9 @@ public:
           frame_run_(content_, choose_view(content_, scene), scene.size) {}
 
     Played play() {
-        step_count_ = config_.repeats * (scene_.frame_count + 1);
+        step_count_ = scene_.repeats * (scene_.frame_count + 1);
         if (config_.has_peer) choose_peer_config();
-        for (int repeat = 0; repeat < config_.repeats; ++repeat) play_once(repeat);
+        for (int repeat = 0; repeat < scene_.repeats; ++repeat) play_once(repeat);
         return std::move(played_);
     }
 
@@ -164,7 +164,7 @@ private:
         std::unique_ptr<EmbreePeer> peer;
         if (config_.has_peer) peer = std::make_unique<EmbreePeer>(peer_config_, thread_count());
         for (int frame = 0; frame <= scene_.frame_count; ++frame) {
-            report_step(fmt::format("repeat {}/{}, frame {}", repeat + 1, config_.repeats, frame));
+            report_step(fmt::format("repeat {}/{}, frame {}", repeat + 1, scene_.repeats, frame));
             FrameRecord record = frame_run_.run(frame, peer.get(), (frame + repeat) % 2 != 0);
             std::vector<FrameRecord>& frames = played_.run.frames;
             const size_t new_disagreement_count = judge_frame(frame);
@@ -187,7 +187,7 @@ private:
         std::optional<PeerRun> peer = std::move(played_.run.peer);
         played_.run = describe_run(scene_.name, content_.scene, frame_run_.tlas());
         played_.run.size = fmt::format("{}x{}", scene_.size.width, scene_.size.height);
-        played_.run.repeats = config_.repeats;
+        played_.run.repeats = scene_.repeats;
         played_.run.peer = std::move(peer);
     }
 

@@ -11,7 +11,6 @@
 namespace zoe {
 
 struct PlayConfig {
-    int repeats = 2;
     bool has_peer = false, is_peer_robust = false, is_peer_high = false;
 };
 

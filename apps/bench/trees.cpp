@@ -225,7 +225,7 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
     TreeComparison comparison{.scene = scene.name, .triangle_count = mesh.corners.size(), .rows = {}};
     for (size_t kind = 0; kind < kRayKindCount; ++kind) comparison.ray_count[kind] = rays[kind].size();
     const size_t tree_count = kBuilders.size() + (config.has_peer ? kPeerQualities.size() : 0);
-    const double step_count = static_cast<double>(tree_count) * (1.0 + config.repeats);
+    const double step_count = static_cast<double>(tree_count) * (1.0 + scene.repeats);
     double steps_done = 0.0;
     const auto report_step = [&](const std::string& detail) {
         if (is_interrupted()) throw Interrupted("interrupted");
@@ -235,7 +235,7 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
     std::vector<std::unique_ptr<Tree>> trees;
     for (const Builder& builder : kBuilders) {
         report_step(fmt::format("building: {}", builder.name));
-        auto tree = std::make_unique<OurTree>(builder, mesh, config.repeats);
+        auto tree = std::make_unique<OurTree>(builder, mesh, scene.repeats);
         const TraverseCounts primary = tree->count(rays[0]), diffuse = tree->count(rays[1]);
         const double count = std::max<double>(1.0, static_cast<double>(rays[0].size() + rays[1].size()));
         tree->row.nodes = (double(primary.nodes) + double(diffuse.nodes)) / count;
@@ -245,13 +245,13 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
     if (config.has_peer) {
         for (const PeerQuality& quality : kPeerQualities) {
             report_step(fmt::format("building: {}", quality.name));
-            trees.push_back(std::make_unique<EmbreeTree>(quality, config.is_peer_robust, mesh, config.repeats));
+            trees.push_back(std::make_unique<EmbreeTree>(quality, config.is_peer_robust, mesh, scene.repeats));
         }
     }
     Hits expected;
-    for (int repeat = 0; repeat < config.repeats; ++repeat) {
+    for (int repeat = 0; repeat < scene.repeats; ++repeat) {
         for (const auto& tree : trees) {
-            report_step(fmt::format("repeat {}/{}: {}", repeat + 1, config.repeats, tree->row.name));
+            report_step(fmt::format("repeat {}/{}: {}", repeat + 1, scene.repeats, tree->row.name));
             Hits hits;
             for (const RayKind kind : {RayKind::kPrimary, RayKind::kDiffuse}) {
                 const size_t k = static_cast<size_t>(kind);
