@@ -83,12 +83,10 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
     const WideNode* root = only ? only->blas->tree.nodes.data() : scene.top->nodes.data();
     const auto trace_single = [&](size_t k) HWY_ATTR {
         const Ray& ray = rays[k];
-        const SlabRay slabs(ray);
         walk.start(root, RawHit{.t = ray.t_max}, ray.t_min);
-        if (slabs.is_valid && ray.t_min <= ray.t_max) {
+        if (walk.world.set(ray) && ray.t_min <= ray.t_max) {
             walk.is_in_instance = only != nullptr;
-            walk.world.set(slabs, ray.direction);
-            trace(walk, &scene, &ray);
+            trace(walk, &scene);
         }
         finish(k, walk.hit, walk.is_found);
     };
@@ -133,10 +131,9 @@ bool hit_blas(const Blas& blas, const RayFrame& frame, float t_floor, float t_mi
     walk.t_floor = t_floor;
     walk.id = 0;
     walk.is_in_instance = true;
-    walk.world.set(frame, glm::vec3(0.0f));
-    walk.world.set_frame(frame);
+    walk.world.set(frame);
     walk.start(blas.tree.nodes.data(), {hit->t, hit->u, hit->v, 0, hit->primitive}, t_min);
-    trace<kIsAny>(walk, nullptr, nullptr);
+    trace<kIsAny>(walk, nullptr);
     if (walk.is_found) *hit = {walk.hit.t, walk.hit.u, walk.hit.v, walk.hit.primitive};
     add(walk.counts, counts);
     return walk.is_found;

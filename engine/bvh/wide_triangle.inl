@@ -85,7 +85,7 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
         const float* row = corners + kSize * axis;
         const V a = hn::Load(d, row), b = hn::Load(d, row + 3 * kSize), c = hn::Load(d, row + 6 * kSize);
         const V lo = smaller(c, smaller(b, a)), hi = larger(c, larger(b, a));
-        const V origin = hn::Set(d, ray.frame.origin[axis]), inverse = hn::Set(d, ray.frame.inverse_direction[axis]);
+        const V origin = hn::Set(d, ray.origin[axis]), inverse = hn::Set(d, ray.inverse[axis]);
         const auto is_negative =
             hn::MaskFromVec(hn::BitCast(d, hn::Set(hn::RebindToUnsigned<BlockTag>(), ray.negative[axis])));
         in = larger(hn::Mul(hn::Sub(hn::IfThenElse(is_negative, hi, lo), origin), inverse), in);

@@ -61,21 +61,29 @@ HWY_INLINE void test_leaf(Walk<kIsAny>& walk, Space& space, uint32_t child) {
     }
 }
 
+// Takes a ray into an instance's space, by the operations of Affine. Returns false for one that hits nothing there.
+HWY_INLINE bool transform(const Affine& local_from_world, const Space& world, Space* local) {
+    const AxisTag d;
+    const glm::mat3& m = local_from_world.linear;
+    const auto x = hn::LoadU(d, &m[0].x), y = hn::LoadU(d, &m[1].x), z = hn::LoadU(d, &m[2].x);
+    const auto shift = hn::ShiftRightLanes<1>(d, hn::LoadU(d, &m[2].z));  // The translation follows the matrix.
+    const auto times = [&](const float* v) HWY_ATTR {
+        return hn::Add(hn::Add(hn::Mul(x, hn::Set(d, v[0])), hn::Mul(y, hn::Set(d, v[1]))), hn::Mul(z, hn::Set(d, v[2])));
+    };
+    return local->set(hn::Add(times(world.origin), shift), times(world.direction));
+}
+static_assert(offsetof(Affine, translation) == sizeof(glm::mat3) && sizeof(glm::mat3) == 9 * sizeof(float));
+
 // Returns false where the ray does not enter the instance's box.
 template <bool kIsAny>
-HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed, const Ray& ray) {
+HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed) {
     // Where no transform lies between, the tree's boxes are in the world's: no entry is nearer than the floor would be.
     walk.t_floor = 0.0f;
     if (!placed.is_identity) {
-        walk.t_floor = entry(walk.world.frame, placed.bounds_world.lo, placed.bounds_world.hi, walk.hit.t);
+        walk.t_floor = entry(walk.world, placed.bounds_world, walk.hit.t);
         if (!(walk.t_floor < std::numeric_limits<float>::infinity())) return false;
         // The direction is not normalised, so t stays in the world's unit.
-        const Ray local{.origin = placed.local_from_world.point(ray.origin),
-                        .direction = placed.local_from_world.vector(ray.direction),
-                        .t_min = ray.t_min};
-        const SlabRay slabs(local);
-        if (!slabs.is_valid) return false;
-        walk.local.set(slabs, local.direction);
+        if (!transform(placed.local_from_world, walk.world, &walk.local)) return false;
     }
     walk.nodes = placed.blas->tree.nodes.data();
     walk.blocks = placed.blas->blocks.data();
@@ -87,7 +95,7 @@ HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed, con
 // Takes a ray from the root of `walk.nodes` to its end.
 // scene      null where that is no top level.
 template <bool kIsAny>
-HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, const Ray* ray) {
+HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
     Space* space = &walk.world;
     BoxRay boxes(*space);
     Stack stack = walk.stack;
@@ -112,7 +120,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, const Ray* ray
             if (kIsAny && walk.is_found) break;
         } else {
             const PlacedBlas& placed = scene->instances[first_block(at)];
-            if (enter_instance(walk, placed, *ray)) {
+            if (enter_instance(walk, placed)) {
                 if (stack.children[stack.size - 1] != kDone) {
                     stack.keys[stack.size] = 0;
                     stack.children[stack.size++] = kLeave;
@@ -143,14 +151,11 @@ HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, uint32_t which, Packe
     walk.is_in_instance = true;
     for (; which != 0; which &= which - 1) {
         const int k = std::countr_zero(which);
-        const Ray ray = packet.ray(k);
-        const SlabRay slabs(ray);
-        if (!slabs.is_valid) continue;
+        if (!walk.world.set(packet.ray(k))) continue;
         walk.start(placed.blas->tree.nodes.data(),
                    {packet.t[k], packet.u[k], packet.v[k], packet.id[k], packet.primitive[k]}, packet.t_min[k]);
-        walk.world.set(slabs, ray.direction);
         walk.t_floor = packet.t_floor[k];
-        trace<kIsAny>(walk, nullptr, nullptr);
+        trace<kIsAny>(walk, nullptr);
         if (!walk.is_found) continue;
         packet.t[k] = kIsAny ? -1.0f : walk.hit.t;
         packet.u[k] = walk.hit.u;
