@@ -60,14 +60,13 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
 // What the kernels read of a ray in one space: by axis, and a lane of no meaning. The operations are those of SlabRay and
 // RayFrame.
 struct Space {
-    // The part that boxes are tested with; the triangles' is made when the first leaf is reached.
     // Returns false for a ray that hits nothing.
     HWY_INLINE bool set(hn::Vec<AxisTag> ray_origin, hn::Vec<AxisTag> ray_direction) {
         const AxisTag d;
         const auto one = hn::Set(d, 1.0f), most = hn::Set(d, std::numeric_limits<float>::max());
         set_slabs(ray_origin, hn::Div(one, ray_direction));
         hn::Store(ray_direction, d, direction);
-        has_frame = false;
+        set_shears(ray_origin, ray_direction);
         // Comparisons are false for NaN.
         const auto size = hn::Abs(ray_direction);
         const auto is_finite = hn::And(hn::Le(size, most), hn::Le(hn::Abs(ray_origin), most));
@@ -92,29 +91,6 @@ struct Space {
             sheared_origin[k] = ray.origin[order[k]];
             shear[k] = shears[k];
         }
-        has_frame = true;
-    }
-    HWY_INLINE void need_frame() {
-        if (has_frame) return;
-        has_frame = true;
-        const AxisTag d;
-        const AxisBits bits;
-        HWY_ALIGN static constexpr uint32_t kFirst[4] = {0, 0, 1, 3}, kSecond[4] = {1, 2, 2, 3};
-        // By x > y, x > z, y > z: the longest axis.
-        static constexpr uint8_t kLongest[8] = {2, 2, 2, 0, 1, 2, 1, 0};
-        // By that axis and whether the direction is negative there: kx, ky, kz, and any.
-        HWY_ALIGN static constexpr uint32_t kOrders[6][4] = {{1, 2, 0, 0}, {2, 1, 0, 0}, {2, 0, 1, 1},
-                                                             {0, 2, 1, 1}, {0, 1, 2, 2}, {1, 0, 2, 2}};
-        const auto along = hn::Load(d, direction), size = hn::Abs(along);
-        const auto pick = [&](hn::Vec<AxisTag> v, const uint32_t* lanes)
-                              HWY_ATTR { return hn::TableLookupLanes(v, hn::IndicesFromVec(d, hn::Load(bits, lanes))); };
-        const uint32_t longest = kLongest[bits_of(d, hn::Gt(pick(size, kFirst), pick(size, kSecond))) & 7];
-        const uint32_t* const order = kOrders[2 * longest + (negative[longest] & 1)];
-        const auto ordered = pick(along, order);
-        hn::Store(hn::Div(ordered, hn::Broadcast<2>(ordered)), d, shear);
-        shear[2] = inverse[longest];
-        hn::Store(pick(hn::Load(d, origin), order), d, sheared_origin);
-        hn::Store(hn::Mul(hn::Load(bits, order), hn::Set(bits, uint32_t{TriangleBlock::kSize})), bits, sheared_row);
     }
 
     HWY_ALIGN float origin[4];
@@ -123,7 +99,6 @@ struct Space {
     HWY_ALIGN uint32_t negative[4];  // All bits where the direction's component is below 0.
     HWY_ALIGN uint32_t near_row[4];  // Rows of WideNode::planes, as offsets in floats.
     HWY_ALIGN float direction[4];
-    bool has_frame;
     HWY_ALIGN uint32_t sheared_row[4];  // Rows of TriangleBlock::corners: along kx, ky, kz.
     HWY_ALIGN float sheared_origin[4];
     HWY_ALIGN float shear[4];
@@ -141,6 +116,26 @@ private:
         hn::Store(far, d, far_inverse);
         hn::Store(is_negative, bits, negative);
         hn::Store(hn::Add(hn::Load(bits, kRows), hn::And(is_negative, hn::Set(bits, uint32_t{kWidth}))), bits, near_row);
+    }
+    HWY_INLINE void set_shears(hn::Vec<AxisTag> ray_origin, hn::Vec<AxisTag> along) {
+        const AxisTag d;
+        const AxisBits bits;
+        HWY_ALIGN static constexpr uint32_t kFirst[4] = {0, 0, 1, 3}, kSecond[4] = {1, 2, 2, 3};
+        // By x > y, x > z, y > z: the longest axis.
+        static constexpr uint8_t kLongest[8] = {2, 2, 2, 0, 1, 2, 1, 0};
+        // By that axis and whether the direction is negative there: kx, ky, kz, and any.
+        HWY_ALIGN static constexpr uint32_t kOrders[6][4] = {{1, 2, 0, 0}, {2, 1, 0, 0}, {2, 0, 1, 1},
+                                                             {0, 2, 1, 1}, {0, 1, 2, 2}, {1, 0, 2, 2}};
+        const auto size = hn::Abs(along);
+        const auto pick = [&](hn::Vec<AxisTag> v, const uint32_t* lanes)
+                              HWY_ATTR { return hn::TableLookupLanes(v, hn::IndicesFromVec(d, hn::Load(bits, lanes))); };
+        const uint32_t longest = kLongest[bits_of(d, hn::Gt(pick(size, kFirst), pick(size, kSecond))) & 7];
+        const uint32_t* const order = kOrders[2 * longest + (negative[longest] & 1)];
+        const auto ordered = pick(along, order);
+        hn::Store(hn::Div(ordered, hn::Broadcast<2>(ordered)), d, shear);
+        shear[2] = inverse[longest];
+        hn::Store(pick(ray_origin, order), d, sheared_origin);
+        hn::Store(hn::Mul(hn::Load(bits, order), hn::Set(bits, uint32_t{TriangleBlock::kSize})), bits, sheared_row);
     }
 };
 

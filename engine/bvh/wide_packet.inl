@@ -172,25 +172,44 @@ HWY_INLINE bool is_narrow(const Packet& packet, float extent) {
     return packet.origin_spread <= kMaxOriginSpread * extent;
 }
 
+// Whether two rays of a packet can't be in one: tells most rays that go apart at little cost.
+HWY_INLINE bool go_apart(const Ray& a, const Ray& b) {
+    const AxisTag d;
+    const auto first = hn::LoadU(d, &a.direction.x), second = hn::LoadU(d, &b.direction.x);
+    const auto longest = hn::Set(d, std::max({std::abs(a.direction.x), std::abs(a.direction.y), std::abs(a.direction.z)}));
+    const auto limit = hn::Mul(longest, hn::Set(d, kMaxDirectionSpread));
+    return (bits_of(d, hn::Gt(hn::Abs(hn::Sub(first, second)), limit)) & 7) != 0;
+}
+
 // Reads sixteen rays. Returns false for those that are better traced one by one, or must be.
 // extent     of the scene.
 HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
+    if (go_apart(rays[0], rays[kPacketSize - 1])) return false;
     Packet& p = *packet;
-    bool has_ends = true;
-    for (size_t k = 0; k < kPacketSize; ++k) {
-        const Ray& ray = rays[k];
-        for (int axis = 0; axis < 3; ++axis) {
-            p.origin[axis][k] = ray.origin[axis];
-            p.direction[axis][k] = ray.direction[axis];
-        }
-        has_ends &= ray.t_min >= 0.0f && ray.t_min <= ray.t_max;
-        p.t_min[k] = ray.t_min;
-        p.t[k] = ray.t_max;
-        p.t_floor[k] = p.u[k] = p.v[k] = 0.0f;
-        p.id[k] = p.primitive[k] = kEmptyChild;
+    const RayTag d;
+    const RayBits bits;
+    auto has_ends = hn::Eq(hn::Zero(d), hn::Zero(d));
+    for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
+        // Every fourth number of the first half of these rays, then of the second.
+        hn::Vec<RayTag> a[4], b[4];
+        const float* numbers = &rays[lane].origin.x;
+        hn::LoadInterleaved4(d, numbers, a[0], a[1], a[2], a[3]);
+        hn::LoadInterleaved4(d, numbers + 4 * kRayLanes, b[0], b[1], b[2], b[3]);
+        const auto t_min = hn::ConcatOdd(d, b[2], a[2]), t_max = hn::ConcatOdd(d, b[3], a[3]), zero = hn::Zero(d);
+        for (int axis = 0; axis < 3; ++axis) hn::Store(hn::ConcatEven(d, b[axis], a[axis]), d, p.origin[axis] + lane);
+        hn::Store(hn::ConcatEven(d, b[3], a[3]), d, p.direction[0] + lane);
+        hn::Store(hn::ConcatOdd(d, b[0], a[0]), d, p.direction[1] + lane);
+        hn::Store(hn::ConcatOdd(d, b[1], a[1]), d, p.direction[2] + lane);
+        hn::Store(t_min, d, p.t_min + lane);
+        hn::Store(t_max, d, p.t + lane);
+        has_ends = hn::And(has_ends, hn::And(hn::Ge(t_min, zero), hn::Le(t_min, t_max)));
+        for (float* values : {p.t_floor, p.u, p.v}) hn::Store(zero, d, values + lane);
+        for (uint32_t* values : {p.id, p.primitive}) hn::Store(hn::Set(bits, kEmptyChild), bits, values + lane);
     }
-    return has_ends && prepare(packet) && is_narrow(p, extent);
+    return hn::AllTrue(d, has_ends) && prepare(packet) && is_narrow(p, extent);
 }
+static_assert(sizeof(Ray) == 8 * sizeof(float) && offsetof(Ray, direction) == 3 * sizeof(float) &&
+              offsetof(Ray, t_min) == 6 * sizeof(float));
 
 // Takes the rays that enter an instance's box into its space, by the operations of `entry` and of Affine; the others stand
 // where the first of these does, so that they widen nothing. Returns a bit for each that enters; where none does,

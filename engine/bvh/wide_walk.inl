@@ -41,9 +41,8 @@ struct Walk {
 };
 
 template <bool kIsAny>
-HWY_INLINE void test_leaf(Walk<kIsAny>& walk, Space& space, uint32_t child) {
+HWY_INLINE void test_leaf(Walk<kIsAny>& walk, const Space& space, uint32_t child) {
     const TriangleBlock* block = walk.blocks + first_block(child);
-    space.need_frame();
     for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
         walk.counts.triangles += TriangleBlock::kSize;
         test_block(*block, space, walk.t_floor, walk.t_min, walk.hit.t,
