@@ -25,7 +25,8 @@ struct Builder {
     const char* name;
     BlasBuilder builder;
 };
-constexpr std::array kBuilders = {Builder{"binned", BlasBuilder::kBinned}, Builder{"sweep", BlasBuilder::kSweep},
+constexpr std::array kBuilders = {Builder{"median split", BlasBuilder::kMedian}, Builder{"binned", BlasBuilder::kBinned},
+                                  Builder{"sweep", BlasBuilder::kSweep},
                                   Builder{"sweep, reinserted", BlasBuilder::kReinserted},
                                   Builder{"SBVH, reinserted", BlasBuilder::kSbvh}};
 
@@ -81,6 +82,7 @@ class OurTree final : public Tree {
 public:
     OurTree(const Builder& builder, const WorldMesh& mesh, int repeats) {
         row.name = builder.name;
+        row.builder = builder.builder;
         BlasScratch scratch;
         for (int repeat = 0; repeat < repeats; ++repeat) {
             Stopwatch watch;
@@ -154,7 +156,6 @@ public:
     EmbreeTree(const PeerQuality& quality, bool is_robust, const WorldMesh& mesh, int repeats)
         : tree_(quality.quality, is_robust, mesh.positions, mesh.corners, thread_count()) {
         row.name = quality.name;
-        row.is_peer = true;
         row.build_ms = tree_.build_ms();
         for (int repeat = 1; repeat < repeats && tree_.build_ms() <= kLongBuild_ms; ++repeat) {
             row.build_ms = std::min(row.build_ms, tree_.rebuild());
@@ -261,7 +262,7 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
             hits.is_shadowed.resize(rays[2].size());
             tree->trace_any(rays[2], hits.is_shadowed);
             if (expected.is_shadowed.empty() && expected.closest[0].empty()) expected = hits;
-            if (tree->row.is_peer) {
+            if (tree->row.is_peer()) {
                 tree->row.disagreements = std::max(tree->row.disagreements, count_differences(expected, hits));
             } else if (hits.closest != expected.closest || hits.is_shadowed != expected.is_shadowed) {
                 throw std::runtime_error(fmt::format("{}: the trees by {} and {} give different hits", scene.name,

@@ -2,19 +2,21 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/bench/bench_scenes.h"
 #include "apps/bench/play.h"
 #include "apps/bench/ray_kind.h"
+#include "engine/bvh/blas.h"
 
 namespace zoe {
 
 /// What a tree over a mesh costs, and what rays through it cost.
 struct TreeRow {
-    std::string name;  ///< "binned", "Embree MEDIUM".
-    bool is_peer = false;
+    std::string name;                    ///< "binned", "Embree MEDIUM".
+    std::optional<BlasBuilder> builder;  ///< None: a peer's.
     double build_ms = 0.0;
     uint64_t byte_count = 0;  ///< Of the form that is traversed.
     double sah = 0.0;         ///< Of that form: 1 a node, 1 a block of triangles. 0 for a peer's, which is not known.
@@ -22,6 +24,8 @@ struct TreeRow {
     std::array<double, kRayKindCount> trace_ms{};  ///< By kind, in the way of handing rays over that takes least.
     double primary_single_ms = 0.0;                ///< Primary rays, a call each.
     uint64_t disagreements = 0;  ///< Rays that find another hit than in our trees, as `is_disagreement` has it.
+
+    bool is_peer() const { return !builder; }
 };
 
 struct TreeComparison {

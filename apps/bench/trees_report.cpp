@@ -1,5 +1,7 @@
 #include "apps/bench/trees_report.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -60,6 +62,37 @@ double mean_ratio(const std::vector<TreeComparison>& comparisons, size_t ours, s
     return count > 0 ? std::exp(sum / static_cast<double>(count)) : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Requires   that the comparison has a tree by this builder.
+size_t row_by(const TreeComparison& comparison, BlasBuilder builder) {
+    const auto row = std::ranges::find_if(comparison.rows, [&](const TreeRow& r) { return r.builder == builder; });
+    assert(row != comparison.rows.end());
+    return static_cast<size_t>(row - comparison.rows.begin());
+}
+
+/// What a lecture says of the builders, as it was measured here.
+std::string claims(const std::vector<TreeComparison>& comparisons) {
+    const TreeComparison& first = comparisons.front();
+    const size_t median = row_by(first, BlasBuilder::kMedian), binned = row_by(first, BlasBuilder::kBinned),
+                 sweep = row_by(first, BlasBuilder::kSweep);
+    const auto ratio = [&](size_t a, size_t b, const Measure& measure) { return mean_ratio(comparisons, a, b, measure); };
+    const auto speeds = [&](size_t a, size_t b) {
+        std::string text;
+        for (const RayKind kind : kRayKinds) {
+            const Measure speed{name(kind), [=](const auto& c, const auto& row) { return c.mrays_per_s(row, kind); }};
+            text += fmt::format("{}{:.2f}x {}", text.empty() ? "" : ", ", ratio(a, b, speed), speed.name);
+        }
+        return text;
+    };
+    const Measure nodes{"nodes", [](const auto&, const auto& row) { return row.nodes; }};
+    const Measure triangles{"triangles", [](const auto&, const auto& row) { return row.triangles; }};
+    const Measure build{"build", mtriangles_per_s};
+    return fmt::format(
+        "\nsweep against median split: a ray tests {:.2f}x the nodes and {:.2f}x the triangles; speed of rays: {}\n"
+        "binned against sweep: the build is {:.1f}x as fast; speed of rays: {}\n",
+        ratio(sweep, median, nodes), ratio(sweep, median, triangles), speeds(sweep, median), ratio(binned, sweep, build),
+        speeds(binned, sweep));
+}
+
 }  // namespace
 
 std::string trees_table(const TreeComparison& comparison) {
@@ -69,8 +102,9 @@ std::string trees_table(const TreeComparison& comparison) {
     text += fmt::format("{:<18}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>8}{:>9}{:>8}{:>11}{:>10}\n", "", "build ms", "Mtri/s",
                         "B/tri", "SAH", "nodes", "tris", "primary", "single", "diffuse", "shadow", "frame ms", "disagree");
     for (const TreeRow& row : comparison.rows) {
-        const std::string quality = row.is_peer ? fmt::format("{:>8}{:>8}{:>8}", "-", "-", "-")
-                                                : fmt::format("{:>8.2f}{:>8.2f}{:>8.2f}", row.sah, row.nodes, row.triangles);
+        const std::string quality = row.is_peer()
+                                        ? fmt::format("{:>8}{:>8}{:>8}", "-", "-", "-")
+                                        : fmt::format("{:>8.2f}{:>8.2f}{:>8.2f}", row.sah, row.nodes, row.triangles);
         text += fmt::format("{:<18}{:>10.2f}{:>8.2f}{:>8.1f}{}{:>10.2f}{:>8.2f}{:>9.2f}{:>8.2f}{:>11.1f}{:>10}\n", row.name,
                             row.build_ms, mtriangles_per_s(comparison, row), bytes_per_triangle(comparison, row), quality,
                             comparison.mrays_per_s(row, RayKind::kPrimary), single_mrays_per_s(comparison, row),
@@ -86,14 +120,16 @@ std::string trees_summary(const std::vector<TreeComparison>& comparisons) {
         "diffuse ray.\nprimary to shadow: Mrays/s; single: primary rays, a call each. frame: the build, a million primary "
         "and "
         "a million diffuse rays.\n";
-    if (comparisons.empty() || !comparisons.front().rows.back().is_peer) return text;
+    if (comparisons.empty()) return text;
+    text += claims(comparisons);
+    if (!comparisons.front().rows.back().is_peer()) return text;
     text += fmt::format("\n{:<34}", fmt::format("geometric means over {} scenes", comparisons.size()));
     for (const Measure& measure : measures()) text += fmt::format("{:>9}", measure.name);
     text += "\n";
     const std::vector<TreeRow>& rows = comparisons.front().rows;
     for (size_t ours = 0; ours < rows.size(); ++ours) {
         for (size_t peer = 0; peer < rows.size(); ++peer) {
-            if (rows[ours].is_peer || !rows[peer].is_peer) continue;
+            if (rows[ours].is_peer() || !rows[peer].is_peer()) continue;
             text += fmt::format("{:<34}", fmt::format("{} against {}", rows[ours].name, rows[peer].name));
             for (const Measure& measure : measures())
                 text += fmt::format("{:>8.2f}x", mean_ratio(comparisons, ours, peer, measure));
@@ -112,8 +148,8 @@ std::string trees_json(const std::vector<TreeComparison>& comparisons,
         for (const RayKind kind : kRayKinds) rays[name(kind)] = comparison.ray_count[static_cast<size_t>(kind)];
         for (const TreeRow& row : comparison.rows) {
             Json json = {
-                {"tree", row.name}, {"is_peer", row.is_peer}, {"build_ms", row.build_ms}, {"bytes", row.byte_count}};
-            if (!row.is_peer) {
+                {"tree", row.name}, {"is_peer", row.is_peer()}, {"build_ms", row.build_ms}, {"bytes", row.byte_count}};
+            if (!row.is_peer()) {
                 json["sah"] = row.sah;
                 json["nodes_per_ray"] = row.nodes;
                 json["triangles_per_ray"] = row.triangles;

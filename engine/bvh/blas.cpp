@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/bvh/reinsert.h"
@@ -196,7 +197,8 @@ bool build_binary(std::span<const glm::vec3> positions, std::span<const glm::uve
         release(memory, &scratch->items);
     } else {
         scratch->boxes = boxes_of(positions, corners, std::move(scratch->boxes));
-        bvh = build_sweep(scratch->boxes, kSweep, std::move(bvh));
+        bvh = builder == BlasBuilder::kMedian ? build_median(scratch->boxes, TriangleBlock::kSize, std::move(bvh))
+                                              : build_sweep(scratch->boxes, kSweep, std::move(bvh));
         release(memory, &scratch->boxes);
     }
     if (builder == BlasBuilder::kReinserted || builder == BlasBuilder::kSbvh) reinsert(&bvh, kReinsert);

@@ -43,6 +43,7 @@ enum class BlasBuilder : uint8_t {
     kSweep,       ///< Once, or to be refitted.
     kReinserted,  ///< Sweep, then reinsertion: once, where time is not short.
     kSbvh,        ///< Spatial splits, then reinsertion: once, and never to be refitted.
+    kMedian,      ///< What the others are measured against.
 };
 
 /// Bytes that differ where `build_blas` may make another tree of the same mesh: which builder, and the settings of all.

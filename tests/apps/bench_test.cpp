@@ -227,8 +227,12 @@ TEST(Bench, TreesAreComparedAndAgree) {
             EXPECT_GT(row["sah"], 0.0);
             EXPECT_EQ(row["disagreements"], 0);
         }
+        EXPECT_EQ(scene["rows"][0]["tree"], "median split");
         EXPECT_EQ(peer_count, is_embree_available() ? 3u : 0u);
     }
+    for (const char* const claim : {"sweep against median split: ", "binned against sweep: "})
+        EXPECT_NE(outcome.out.find(claim), std::string::npos) << claim;
+    EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
 }
 
 TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {

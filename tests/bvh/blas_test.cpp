@@ -14,8 +14,8 @@
 namespace zoe::test {
 namespace {
 
-constexpr BlasBuilder kBuilders[] = {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kReinserted,
-                                     BlasBuilder::kSbvh};
+constexpr BlasBuilder kBuilders[] = {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kReinserted, BlasBuilder::kSbvh,
+                                     BlasBuilder::kMedian};
 
 /// Large triangles across many small ones, which spatial splits cut.
 TestMesh large_among_small(uint64_t seed) {

@@ -7,9 +7,9 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/math/parallel.h"
-#include "tests/bench/build_median.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 
@@ -97,7 +97,8 @@ TEST(Builders, LeavesAreNoLargerThanAllowed) {
         for (const int size : {1, 2, 8}) {
             const Bvh swept = build_sweep(input, {.max_leaf_size = size});
             const Bvh binned = build_binned(input, {.max_leaf_size = size});
-            for (const Bvh* bvh : {&swept, &binned}) {
+            const Bvh halved = build_median(input, size);
+            for (const Bvh* bvh : {&swept, &binned, &halved}) {
                 for (const BvhNode& node : bvh->nodes) ASSERT_LE(node.count, uint32_t(size));
             }
         }
@@ -139,7 +140,9 @@ TEST(Builders, StorageOfAnotherTreeChangesNothing) {
     EXPECT_TRUE(is_same_tree(build_sweep(boxes, {}, build_sweep(others)), build_sweep(boxes)));
     EXPECT_TRUE(is_same_tree(build_binned(boxes, {}, build_binned(others)), build_binned(boxes)));
     EXPECT_TRUE(is_same_tree(build_agglomerative(boxes, build_sweep(others)), build_agglomerative(boxes)));
+    EXPECT_TRUE(is_same_tree(build_median(boxes, 4, build_sweep(others)), build_median(boxes)));
     EXPECT_TRUE(build_binned({}, {}, build_binned(others)).nodes.empty());
+    EXPECT_TRUE(build_median({}, 4, build_binned(others)).primitives.empty());
 }
 
 TEST(Builders, BeatAMedianSplitBySurfaceArea) {

@@ -7,6 +7,7 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sweep.h"
 #include "tests/math/random_inputs.h"
 
@@ -156,6 +157,8 @@ std::vector<NamedBuilder> all_builders() {
         {"binned, blocks of four", [](Boxes boxes) { return build_binned(boxes, {.block_size = 4, .node_cost = 0.5f}); }},
         {"binned, two bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 2, .max_leaf_size = 1}); }},
         {"binned, 64 bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 64, .max_leaf_size = 4}); }},
+        {"median", [](Boxes boxes) { return build_median(boxes); }},
+        {"median, leaves of one", [](Boxes boxes) { return build_median(boxes, 1); }},
         {"agglomerative", [](Boxes boxes) { return build_agglomerative(boxes); }, true, true},
     };
 }

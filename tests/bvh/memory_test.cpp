@@ -15,7 +15,8 @@ struct Case {
 constexpr Case kCases[] = {{"sweep", BlasBuilder::kSweep},
                            {"binned", BlasBuilder::kBinned},
                            {"reinserted", BlasBuilder::kReinserted},
-                           {"SBVH", BlasBuilder::kSbvh}};
+                           {"SBVH", BlasBuilder::kSbvh},
+                           {"median", BlasBuilder::kMedian}};
 
 TEST(Memory, OfABuildIsAtMostTwoAndAHalfTimesThatOfItsTree) {
     const TestMesh mesh = random_soup(200'000, 0.02f, 171);
