@@ -93,23 +93,37 @@ std::string claims(const std::vector<TreeComparison>& comparisons) {
         speeds(binned, sweep));
 }
 
+/// "12: 11 either, 1 ours"
+std::string verdicts_text(const TreeRow& row) {
+    std::string text = fmt::format("{}", row.disagreements);
+    const char* separator = ": ";
+    const auto add = [&](uint64_t count, const char* what) {
+        if (count == 0) return;
+        text += fmt::format("{}{} {}", separator, count, what);
+        separator = ", ";
+    };
+    for (size_t k = 0; k < kVerdictCount; ++k) add(row.verdicts[k], name(static_cast<Verdict>(k)));
+    add(row.not_judged, "not judged");
+    return text;
+}
+
 }  // namespace
 
 std::string trees_table(const TreeComparison& comparison) {
     std::string text =
         fmt::format("\n{}: {} triangles; {} primary, {} diffuse, {} shadow rays\n", comparison.scene,
                     comparison.triangle_count, comparison.ray_count[0], comparison.ray_count[1], comparison.ray_count[2]);
-    text += fmt::format("{:<18}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>8}{:>9}{:>8}{:>11}{:>10}\n", "", "build ms", "Mtri/s",
-                        "B/tri", "SAH", "nodes", "tris", "primary", "single", "diffuse", "shadow", "frame ms", "disagree");
+    text += fmt::format("{:<18}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>8}{:>9}{:>8}{:>11}{}\n", "", "build ms", "Mtri/s",
+                        "B/tri", "SAH", "nodes", "tris", "primary", "single", "diffuse", "shadow", "frame ms", "  disagree");
     for (const TreeRow& row : comparison.rows) {
         const std::string quality = row.is_peer()
                                         ? fmt::format("{:>8}{:>8}{:>8}", "-", "-", "-")
                                         : fmt::format("{:>8.2f}{:>8.2f}{:>8.2f}", row.sah, row.nodes, row.triangles);
-        text += fmt::format("{:<18}{:>10.2f}{:>8.2f}{:>8.1f}{}{:>10.2f}{:>8.2f}{:>9.2f}{:>8.2f}{:>11.1f}{:>10}\n", row.name,
+        text += fmt::format("{:<18}{:>10.2f}{:>8.2f}{:>8.1f}{}{:>10.2f}{:>8.2f}{:>9.2f}{:>8.2f}{:>11.1f}  {}\n", row.name,
                             row.build_ms, mtriangles_per_s(comparison, row), bytes_per_triangle(comparison, row), quality,
                             comparison.mrays_per_s(row, RayKind::kPrimary), single_mrays_per_s(comparison, row),
                             comparison.mrays_per_s(row, RayKind::kDiffuse), comparison.mrays_per_s(row, RayKind::kShadow),
-                            comparison.frame_ms(row), row.disagreements);
+                            comparison.frame_ms(row), verdicts_text(row));
     }
     return text;
 }
@@ -147,10 +161,20 @@ std::string trees_json(const std::vector<TreeComparison>& comparisons,
         Json rows = Json::array(), rays = Json::object();
         for (const RayKind kind : kRayKinds) rays[name(kind)] = comparison.ray_count[static_cast<size_t>(kind)];
         for (const TreeRow& row : comparison.rows) {
-            Json json = {
-                {"tree", row.name}, {"is_peer", row.is_peer()}, {"build_ms", row.build_ms}, {"bytes", row.byte_count}};
+            Json json = {{"tree", row.name},
+                         {"is_peer", row.is_peer()},
+                         {"build_ms", row.build_ms},
+                         {"bytes", row.byte_count},
+                         {"bytes_per_triangle", bytes_per_triangle(comparison, row)}};
             if (!row.is_peer()) {
                 json["sah"] = row.sah;
+                json["depth"] = row.depth;
+                json["binary"] = {{"sah", row.binary.sah},
+                                  {"epo", row.epo},
+                                  {"depth", row.binary.depth},
+                                  {"references", row.binary.reference_count},
+                                  {"duplicates", row.binary.duplicate_count},
+                                  {"bytes", row.binary.bytes}};
                 json["nodes_per_ray"] = row.nodes;
                 json["triangles_per_ray"] = row.triangles;
             }
@@ -158,6 +182,13 @@ std::string trees_json(const std::vector<TreeComparison>& comparisons,
                 json[fmt::format("{}_ms", name(kind))] = row.trace_ms[static_cast<size_t>(kind)];
             json["primary_single_ms"] = row.primary_single_ms;
             json["disagreements"] = row.disagreements;
+            if (row.is_peer()) {
+                json["verdicts"] = {{"ours_right", row.verdicts[static_cast<size_t>(Verdict::kOurs)]},
+                                    {"peer_right", row.verdicts[static_cast<size_t>(Verdict::kPeers)]},
+                                    {"either_right", row.verdicts[static_cast<size_t>(Verdict::kEither)]},
+                                    {"neither_right", row.verdicts[static_cast<size_t>(Verdict::kNeither)]},
+                                    {"not_judged", row.not_judged}};
+            }
             rows.push_back(std::move(json));
         }
         scenes.push_back(
