@@ -137,14 +137,14 @@ std::string trees_summary(const std::vector<TreeComparison>& comparisons) {
     if (comparisons.empty()) return text;
     text += claims(comparisons);
     if (!comparisons.front().rows.back().is_peer()) return text;
-    text += fmt::format("\n{:<34}", fmt::format("geometric means over {} scenes", comparisons.size()));
+    text += fmt::format("\n{:<42}", fmt::format("geometric means over {} scenes", comparisons.size()));
     for (const Measure& measure : measures()) text += fmt::format("{:>9}", measure.name);
     text += "\n";
     const std::vector<TreeRow>& rows = comparisons.front().rows;
     for (size_t ours = 0; ours < rows.size(); ++ours) {
         for (size_t peer = 0; peer < rows.size(); ++peer) {
-            if (rows[ours].is_peer() || !rows[peer].is_peer()) continue;
-            text += fmt::format("{:<34}", fmt::format("{} against {}", rows[ours].name, rows[peer].name));
+            if (rows[ours].is_peer() || !rows[peer].is_peer() || rows[ours].builder == BlasBuilder::kMedian) continue;
+            text += fmt::format("{:<42}", fmt::format("{} against {}", rows[ours].name, rows[peer].name));
             for (const Measure& measure : measures())
                 text += fmt::format("{:>8.2f}x", mean_ratio(comparisons, ours, peer, measure));
             text += "\n";

@@ -12,7 +12,7 @@ namespace zoe {
 std::string trees_table(const TreeComparison& comparison);
 
 /// Over all scenes: what SAH saves over a median split, what bins save over the full sweep and lose by it; with a peer, each
-/// of our trees beside each of the peer's. Ratios are geometric means; above 1, ours is faster, or smaller.
+/// of our other trees beside each of the peer's. Ratios are geometric means; above 1, ours is faster, or smaller.
 std::string trees_summary(const std::vector<TreeComparison>& comparisons);
 
 /// {"machine": {...}, "trees": [{"scene": ..., "triangles": ..., "rays": {...}, "rows": [...]}]}.

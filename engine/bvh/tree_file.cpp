@@ -39,6 +39,10 @@ constexpr uint64_t kMaxBlocksATriangle = 4;
 
 constexpr size_t kNodeGrain = 256;
 
+// A row of a block in a register, on any processor.
+using Float4 = float __attribute__((vector_size(sizeof(float) * TriangleBlock::kSize)));
+using Int4 = int32_t __attribute__((vector_size(sizeof(float) * TriangleBlock::kSize)));
+
 Header header_of(const Blas& blas, const Hash128& key) {
     Header header{};
     std::memcpy(header.magic, kMagic, sizeof kMagic);
@@ -133,17 +137,14 @@ std::string find_fault(const WideBvh& tree, std::span<const uint32_t> primitives
 
 // Whether a triangle that stands in one leaf only reaches out of it. A corner that is NaN does not.
 bool reaches_out(const TriangleBlock& block, const Aabb& leaf, std::span<const uint8_t> leaf_counts) {
-    constexpr uint32_t kSize = TriangleBlock::kSize;
-    uint32_t is_outside[kSize] = {};
+    Int4 is_outside{};
     for (int row = 0; row < 9; ++row) {
-        const float lo = leaf.lo[row % 3], hi = leaf.hi[row % 3];
-        for (uint32_t slot = 0; slot < kSize; ++slot) {
-            is_outside[slot] |=
-                static_cast<uint32_t>(block.corners[row][slot] < lo) | static_cast<uint32_t>(block.corners[row][slot] > hi);
-        }
+        Float4 x;
+        std::memcpy(&x, block.corners[row], sizeof x);
+        is_outside |= (x < leaf.lo[row % 3]) | (x > leaf.hi[row % 3]);
     }
-    for (uint32_t slot = 0; slot < kSize; ++slot) {
-        if (is_outside[slot] && leaf_counts[block.primitive[slot]] == 1) return true;
+    for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
+        if (is_outside[slot] != 0 && leaf_counts[block.primitive[slot]] == 1) return true;
     }
     return false;
 }
