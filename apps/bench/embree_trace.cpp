@@ -8,7 +8,7 @@
 #include <immintrin.h>
 #endif
 
-#include "apps/bench/stopwatch.h"
+#include "apps/bench/timed_parallel.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
@@ -86,13 +86,11 @@ Hit to_hit(const EmbreeTarget& target, float t, float u, float v, unsigned primi
 /// Calls `one(k, context)` for items 0 to item_count in tasks. Returns ms.
 template <typename One>
 double timed_tasks(size_t item_count, size_t items_a_task, EmbreeRays form, One&& one) {
-    Stopwatch watch;
-    parallel_for(0, item_count, items_a_task, [&](size_t begin, size_t end) {
+    return timed_parallel(item_count, items_a_task, [&](size_t begin, size_t end) {
         const FlushDenormals flush;
         RTCIntersectContext context = context_for(form);
         for (size_t k = begin; k < end; ++k) one(k, &context);
     });
-    return watch.restart_ms();
 }
 
 size_t packet_count(size_t ray_count) {

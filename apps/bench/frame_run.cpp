@@ -4,21 +4,10 @@
 
 #include "apps/bench/compare.h"
 #include "apps/bench/rays.h"
-#include "apps/bench/stopwatch.h"
+#include "apps/bench/timed_parallel.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
-namespace {
-
-// Calls `trace(begin, end)` for tasks of rays on all threads. Returns ms.
-template <typename Trace>
-double timed_trace(size_t ray_count, Trace&& trace) {
-    Stopwatch watch;
-    parallel_for(0, ray_count, kRaysATask, trace);
-    return watch.restart_ms();
-}
-
-}  // namespace
 
 ViewChoice choose_view(Content& content, const BenchScene& scene) {
     ViewChoice view;
@@ -61,13 +50,13 @@ double FrameRun::trace_ours(RayKind kind) {
     if (kind == RayKind::kShadow) {
         batch.is_hit.resize(rays.size());
         const std::span<uint8_t> is_hit = batch.is_hit;
-        return timed_trace(rays.size(), [&](size_t begin, size_t end) {
+        return timed_parallel(rays.size(), kRaysATask, [&](size_t begin, size_t end) {
             any_hits(*tlas_, rays.subspan(begin, end - begin), is_hit.subspan(begin, end - begin));
         });
     }
     batch.hits.resize(rays.size());
     const std::span<Hit> hits = batch.hits;
-    return timed_trace(rays.size(), [&](size_t begin, size_t end) {
+    return timed_parallel(rays.size(), kRaysATask, [&](size_t begin, size_t end) {
         closest_hits(*tlas_, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin));
     });
 }

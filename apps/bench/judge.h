@@ -24,6 +24,7 @@ struct Disagreement {
 /// Who is right about a ray. kEither: both answers lie within what rounding to float may do, or hit surfaces that lie in
 /// each other.
 enum class Verdict : uint8_t { kOurs, kPeers, kEither, kNeither };
+inline constexpr size_t kVerdictCount = 4;
 const char* name(Verdict verdict);  ///< "ours", "peers", "either", "neither"
 
 /// Judges rays of one frame by brute force over all triangles that it shows, in double precision: by the oracle that the

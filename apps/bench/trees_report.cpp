@@ -1,5 +1,7 @@
 #include "apps/bench/trees_report.h"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -60,22 +62,68 @@ double mean_ratio(const std::vector<TreeComparison>& comparisons, size_t ours, s
     return count > 0 ? std::exp(sum / static_cast<double>(count)) : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Requires   that the comparison has a tree by this builder.
+size_t row_by(const TreeComparison& comparison, BlasBuilder builder) {
+    const auto row = std::ranges::find_if(comparison.rows, [&](const TreeRow& r) { return r.builder == builder; });
+    assert(row != comparison.rows.end());
+    return static_cast<size_t>(row - comparison.rows.begin());
+}
+
+/// What a lecture says of the builders, as it was measured here.
+std::string claims(const std::vector<TreeComparison>& comparisons) {
+    const TreeComparison& first = comparisons.front();
+    const size_t median = row_by(first, BlasBuilder::kMedian), binned = row_by(first, BlasBuilder::kBinned),
+                 sweep = row_by(first, BlasBuilder::kSweep);
+    const auto ratio = [&](size_t a, size_t b, const Measure& measure) { return mean_ratio(comparisons, a, b, measure); };
+    const auto speeds = [&](size_t a, size_t b) {
+        std::string text;
+        for (const RayKind kind : kRayKinds) {
+            const Measure speed{name(kind), [=](const auto& c, const auto& row) { return c.mrays_per_s(row, kind); }};
+            text += fmt::format("{}{:.2f}x {}", text.empty() ? "" : ", ", ratio(a, b, speed), speed.name);
+        }
+        return text;
+    };
+    const Measure nodes{"nodes", [](const auto&, const auto& row) { return row.nodes; }};
+    const Measure triangles{"triangles", [](const auto&, const auto& row) { return row.triangles; }};
+    const Measure build{"build", mtriangles_per_s};
+    return fmt::format(
+        "\nsweep against median split: a ray tests {:.2f}x the nodes and {:.2f}x the triangles; speed of rays: {}\n"
+        "binned against sweep: the build is {:.1f}x as fast; speed of rays: {}\n",
+        ratio(sweep, median, nodes), ratio(sweep, median, triangles), speeds(sweep, median), ratio(binned, sweep, build),
+        speeds(binned, sweep));
+}
+
+/// "12: 11 either, 1 ours"
+std::string verdicts_text(const TreeRow& row) {
+    std::string text = fmt::format("{}", row.disagreements);
+    const char* separator = ": ";
+    const auto add = [&](uint64_t count, const char* what) {
+        if (count == 0) return;
+        text += fmt::format("{}{} {}", separator, count, what);
+        separator = ", ";
+    };
+    for (size_t k = 0; k < kVerdictCount; ++k) add(row.verdicts[k], name(static_cast<Verdict>(k)));
+    add(row.not_judged, "not judged");
+    return text;
+}
+
 }  // namespace
 
 std::string trees_table(const TreeComparison& comparison) {
     std::string text =
         fmt::format("\n{}: {} triangles; {} primary, {} diffuse, {} shadow rays\n", comparison.scene,
                     comparison.triangle_count, comparison.ray_count[0], comparison.ray_count[1], comparison.ray_count[2]);
-    text += fmt::format("{:<18}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>8}{:>9}{:>8}{:>11}{:>10}\n", "", "build ms", "Mtri/s",
-                        "B/tri", "SAH", "nodes", "tris", "primary", "single", "diffuse", "shadow", "frame ms", "disagree");
+    text += fmt::format("{:<18}{:>10}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}{:>8}{:>9}{:>8}{:>11}{}\n", "", "build ms", "Mtri/s",
+                        "B/tri", "SAH", "nodes", "tris", "primary", "single", "diffuse", "shadow", "frame ms", "  disagree");
     for (const TreeRow& row : comparison.rows) {
-        const std::string quality = row.is_peer ? fmt::format("{:>8}{:>8}{:>8}", "-", "-", "-")
-                                                : fmt::format("{:>8.2f}{:>8.2f}{:>8.2f}", row.sah, row.nodes, row.triangles);
-        text += fmt::format("{:<18}{:>10.2f}{:>8.2f}{:>8.1f}{}{:>10.2f}{:>8.2f}{:>9.2f}{:>8.2f}{:>11.1f}{:>10}\n", row.name,
+        const std::string quality = row.is_peer()
+                                        ? fmt::format("{:>8}{:>8}{:>8}", "-", "-", "-")
+                                        : fmt::format("{:>8.2f}{:>8.2f}{:>8.2f}", row.sah, row.nodes, row.triangles);
+        text += fmt::format("{:<18}{:>10.2f}{:>8.2f}{:>8.1f}{}{:>10.2f}{:>8.2f}{:>9.2f}{:>8.2f}{:>11.1f}  {}\n", row.name,
                             row.build_ms, mtriangles_per_s(comparison, row), bytes_per_triangle(comparison, row), quality,
                             comparison.mrays_per_s(row, RayKind::kPrimary), single_mrays_per_s(comparison, row),
                             comparison.mrays_per_s(row, RayKind::kDiffuse), comparison.mrays_per_s(row, RayKind::kShadow),
-                            comparison.frame_ms(row), row.disagreements);
+                            comparison.frame_ms(row), verdicts_text(row));
     }
     return text;
 }
@@ -86,15 +134,17 @@ std::string trees_summary(const std::vector<TreeComparison>& comparisons) {
         "diffuse ray.\nprimary to shadow: Mrays/s; single: primary rays, a call each. frame: the build, a million primary "
         "and "
         "a million diffuse rays.\n";
-    if (comparisons.empty() || !comparisons.front().rows.back().is_peer) return text;
-    text += fmt::format("\n{:<34}", fmt::format("geometric means over {} scenes", comparisons.size()));
+    if (comparisons.empty()) return text;
+    text += claims(comparisons);
+    if (!comparisons.front().rows.back().is_peer()) return text;
+    text += fmt::format("\n{:<42}", fmt::format("geometric means over {} scenes", comparisons.size()));
     for (const Measure& measure : measures()) text += fmt::format("{:>9}", measure.name);
     text += "\n";
     const std::vector<TreeRow>& rows = comparisons.front().rows;
     for (size_t ours = 0; ours < rows.size(); ++ours) {
         for (size_t peer = 0; peer < rows.size(); ++peer) {
-            if (rows[ours].is_peer || !rows[peer].is_peer) continue;
-            text += fmt::format("{:<34}", fmt::format("{} against {}", rows[ours].name, rows[peer].name));
+            if (rows[ours].is_peer() || !rows[peer].is_peer() || rows[ours].builder == BlasBuilder::kMedian) continue;
+            text += fmt::format("{:<42}", fmt::format("{} against {}", rows[ours].name, rows[peer].name));
             for (const Measure& measure : measures())
                 text += fmt::format("{:>8.2f}x", mean_ratio(comparisons, ours, peer, measure));
             text += "\n";
@@ -111,10 +161,20 @@ std::string trees_json(const std::vector<TreeComparison>& comparisons,
         Json rows = Json::array(), rays = Json::object();
         for (const RayKind kind : kRayKinds) rays[name(kind)] = comparison.ray_count[static_cast<size_t>(kind)];
         for (const TreeRow& row : comparison.rows) {
-            Json json = {
-                {"tree", row.name}, {"is_peer", row.is_peer}, {"build_ms", row.build_ms}, {"bytes", row.byte_count}};
-            if (!row.is_peer) {
+            Json json = {{"tree", row.name},
+                         {"is_peer", row.is_peer()},
+                         {"build_ms", row.build_ms},
+                         {"bytes", row.byte_count},
+                         {"bytes_per_triangle", bytes_per_triangle(comparison, row)}};
+            if (!row.is_peer()) {
                 json["sah"] = row.sah;
+                json["depth"] = row.depth;
+                json["binary"] = {{"sah", row.binary.sah},
+                                  {"epo", row.epo},
+                                  {"depth", row.binary.depth},
+                                  {"references", row.binary.reference_count},
+                                  {"duplicates", row.binary.duplicate_count},
+                                  {"bytes", row.binary.bytes}};
                 json["nodes_per_ray"] = row.nodes;
                 json["triangles_per_ray"] = row.triangles;
             }
@@ -122,6 +182,13 @@ std::string trees_json(const std::vector<TreeComparison>& comparisons,
                 json[fmt::format("{}_ms", name(kind))] = row.trace_ms[static_cast<size_t>(kind)];
             json["primary_single_ms"] = row.primary_single_ms;
             json["disagreements"] = row.disagreements;
+            if (row.is_peer()) {
+                json["verdicts"] = {{"ours_right", row.verdicts[static_cast<size_t>(Verdict::kOurs)]},
+                                    {"peer_right", row.verdicts[static_cast<size_t>(Verdict::kPeers)]},
+                                    {"either_right", row.verdicts[static_cast<size_t>(Verdict::kEither)]},
+                                    {"neither_right", row.verdicts[static_cast<size_t>(Verdict::kNeither)]},
+                                    {"not_judged", row.not_judged}};
+            }
             rows.push_back(std::move(json));
         }
         scenes.push_back(

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/bvh/reinsert.h"
@@ -88,8 +88,6 @@ uint32_t place_block(std::span<const glm::vec3> positions, std::span<const glm::
     return not_finite_count;
 }
 
-}  // namespace
-
 // Puts this frame's triangles into the blocks.
 void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
     std::atomic<uint32_t> not_finite_count{0};
@@ -110,8 +108,6 @@ void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::
     });
     blas->not_finite_count = not_finite_count;
 }
-
-namespace {
 
 // Comparisons with NaN are false: slots without a finite triangle add nothing.
 Aabb bounds(const TriangleBlock* blocks, uint32_t count) {
@@ -153,26 +149,10 @@ void fit_leaves(Blas* blas) {
     });
 }
 
-// blas->has_pieces says whether the tree holds triangles more than once.
-void fill_tree(const Bvh& bvh, Blas* blas, BlasScratch* scratch) {
+void fill_tree(const Bvh& bvh, size_t triangle_count, Blas* blas, BlasScratch* scratch) {
     CollapseConfig config = kCollapse;
-    config.has_duplicates = blas->has_pieces;
+    config.has_duplicates = bvh.primitives.size() > triangle_count;
     collapse(bvh, config, &blas->tree, &scratch->slots, &scratch->collapse);
-}
-
-void fill_blocks(std::span<const uint32_t> slots, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
-                 Blas* blas) {
-    const size_t count = slots.size() / TriangleBlock::kSize;
-    // No more room than they need, and none for those of before.
-    if (count > blas->blocks.capacity()) Blas().blocks.swap(blas->blocks);
-    blas->blocks.resize(count);
-    parallel_for(0, count, kBlockGrain, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) {
-            std::copy_n(&slots[k * TriangleBlock::kSize], TriangleBlock::kSize, blas->blocks[k].primitive);
-        }
-    });
-    blas->triangle_count = static_cast<uint32_t>(corners.size());
-    place_triangles(positions, corners, blas);
 }
 
 // Whether memory is kept for the next build, or given back as soon as it has served.
@@ -183,30 +163,30 @@ void release(Memory memory, T* scratch) {
     if (memory == Memory::kReleased) *scratch = T();
 }
 
-// The binary tree: into scratch->bvh. Returns whether it has pieces.
-bool build_binary(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder,
+// The binary tree: into scratch->bvh.
+void build_binary(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder,
                   Memory memory, BlasScratch* scratch) {
     Bvh& bvh = scratch->bvh;
     if (builder == BlasBuilder::kSbvh) {
         release(Memory::kReleased, &bvh);
         bvh = build_sbvh(positions, corners, kSbvh).tree;
     } else if (builder == BlasBuilder::kBinned) {
-        fit_items(positions, corners, &scratch->items);
-        bvh = build_binned_items(scratch->items, kBinned, std::move(bvh));
-        release(memory, &scratch->items);
+        fit_items(positions, corners, &scratch->binned.items);
+        bvh = build_binned_items(kBinned, std::move(bvh), &scratch->binned);
+        release(memory, &scratch->binned);
     } else {
         scratch->boxes = boxes_of(positions, corners, std::move(scratch->boxes));
-        bvh = build_sweep(scratch->boxes, kSweep, std::move(bvh));
+        bvh = builder == BlasBuilder::kMedian ? build_median(scratch->boxes, TriangleBlock::kSize, std::move(bvh))
+                                              : build_sweep(scratch->boxes, kSweep, std::move(bvh));
         release(memory, &scratch->boxes);
     }
     if (builder == BlasBuilder::kReinserted || builder == BlasBuilder::kSbvh) reinsert(&bvh, kReinsert);
-    return bvh.primitives.size() > corners.size();
 }
 
 void build(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Memory memory,
            Blas* blas, BlasScratch* scratch) {
-    blas->has_pieces = build_binary(positions, corners, builder, memory, scratch);
-    fill_tree(scratch->bvh, blas, scratch);
+    build_binary(positions, corners, builder, memory, scratch);
+    fill_tree(scratch->bvh, corners.size(), blas, scratch);
     release(memory, &scratch->bvh);
     release(memory, &scratch->collapse);
     fill_blocks(scratch->slots, positions, corners, blas);
@@ -228,16 +208,34 @@ Triangle TriangleBlock::triangle(int slot) const {
 
 void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch) {
-    blas->has_pieces = false;
-    fill_tree(bvh, blas, scratch);
+    fill_tree(bvh, corners.size(), blas, scratch);
     fill_blocks(scratch->slots, positions, corners, blas);
 }
 
 void make_blas(const StaticBvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch) {
-    blas->has_pieces = bvh.tree.primitives.size() > bvh.primitive_count;
-    fill_tree(bvh.tree, blas, scratch);
-    fill_blocks(scratch->slots, positions, corners, blas);
+    make_blas(bvh.tree, positions, corners, blas, scratch);
+}
+
+void fill_blocks(std::span<const uint32_t> slots, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
+                 Blas* blas) {
+    const size_t count = slots.size() / TriangleBlock::kSize;
+    resize_anew(&blas->blocks, count);
+    std::atomic<size_t> held_count{0};
+    parallel_for(0, count, kBlockGrain, [&](size_t begin, size_t end) {
+        size_t held_here = 0;
+        for (size_t k = begin; k < end; ++k) {
+            for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
+                const uint32_t primitive = slots[k * TriangleBlock::kSize + slot];
+                blas->blocks[k].primitive[slot] = primitive;
+                held_here += primitive != kEmptyChild;
+            }
+        }
+        held_count += held_here;
+    });
+    blas->triangle_count = static_cast<uint32_t>(corners.size());
+    blas->has_pieces = held_count > corners.size();
+    place_triangles(positions, corners, blas);
 }
 
 void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas,

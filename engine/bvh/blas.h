@@ -7,7 +7,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "engine/bvh/binning.h"
+#include "engine/bvh/build_binned.h"
 #include "engine/bvh/static_bvh.h"
 #include "engine/bvh/wide.h"
 #include "engine/math/triangle.h"
@@ -31,7 +31,7 @@ struct Blas {
     std::vector<TriangleBlock, HugeAllocator<TriangleBlock>> blocks;
     uint32_t triangle_count = 0;
     uint32_t not_finite_count = 0;  ///< Triangles with a NaN or infinite corner: in the tree, never hit.
-    bool has_pieces = false;        ///< Leaves may bound pieces of triangles that others hold, too: never to be refitted.
+    bool has_pieces = false;  ///< Some triangles stand in several leaves, which bound pieces of them: never to be refitted.
 
     size_t byte_count() const {
         return tree.nodes.capacity() * sizeof(WideNode) + blocks.capacity() * sizeof(TriangleBlock);
@@ -43,6 +43,7 @@ enum class BlasBuilder : uint8_t {
     kSweep,       ///< Once, or to be refitted.
     kReinserted,  ///< Sweep, then reinsertion: once, where time is not short.
     kSbvh,        ///< Spatial splits, then reinsertion: once, and never to be refitted.
+    kMedian,      ///< What the others are measured against.
 };
 
 /// Bytes that differ where `build_blas` may make another tree of the same mesh: which builder, and the settings of all.
@@ -51,8 +52,8 @@ std::string settings(BlasBuilder builder);
 /// Memory that one build hands to the next: for meshes that are rebuilt every frame.
 struct BlasScratch {
     std::vector<Aabb> boxes;
-    std::vector<binning::Item> items;
-    Bvh bvh;
+    BinnedScratch binned;
+    Bvh bvh;  ///< What the tree was made of.
     std::vector<uint32_t> slots;
     CollapseScratch collapse;
 };
@@ -71,10 +72,12 @@ void make_blas(const Bvh& bvh, std::span<const glm::vec3> positions, std::span<c
 void make_blas(const StaticBvh& bvh, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas,
                BlasScratch* scratch);
 
-/// Fills the blocks' corners, and counts the triangles that are not finite.
-/// positions, corners   of the mesh that the blocks' primitives are of.
-/// Cost       O(blocks), in parallel, no allocation.
-void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas);
+/// Fills the blocks under a tree, and what the BLAS knows of them.
+/// slots      [blocks * TriangleBlock::kSize] what `collapse` gave: each triangle at least once.
+/// positions, corners   of the mesh that the slots' primitives are of.
+/// Cost       O(blocks), in parallel.
+void fill_blocks(std::span<const uint32_t> slots, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
+                 Blas* blas);
 
 /// Moves the triangles to new positions and refits the boxes, bottom up; the topology stays.
 /// positions, corners   as when built; only the positions' values may differ.

@@ -25,76 +25,52 @@ constexpr uint32_t kChunkSize = 4096;    // Larger nodes are worked on in chunks
 // Subtrees are built some at a time: those of this part of all items, or of so many items, whatever is more.
 constexpr size_t kBatches = 8, kSmallestBatch = 65536;
 
-// A node in the making, over items [begin, end).
-struct Range {
-    uint32_t node, begin, end;
-    uint32_t count() const { return end - begin; }
-};
-
-struct Subtree {
-    Range range;
-    uint32_t room, used;  // Its nodes but the root are [room, room + used): places depend on counts only, never on threads.
-};
-
-// What a chunk of a large node works out on its own. Kept from frame to frame, by the thread that builds.
-struct Chunk {
-    Extents extents;
-    Bins bins;
-    uint32_t left_count;
-};
-
-struct Swap {
-    uint32_t a, b, count;
-};
-
-struct Memory {
-    std::vector<BvhNode> top;
-    std::vector<Subtree> subtrees;
-    std::vector<Chunk> chunks;
-    std::vector<Swap> swaps;
-};
+using Range = BinnedScratch::Range;
+using Subtree = BinnedScratch::Subtree;
+using Chunk = BinnedScratch::Chunk;
+using Swap = BinnedScratch::Swap;
 
 class Builder {
 public:
-    Builder(std::span<Item> items, const BinnedConfig& config, Memory* memory, Bvh* bvh)
-        : items_(items),
+    Builder(const BinnedConfig& config, BinnedScratch* scratch, Bvh* bvh)
+        : items_(scratch->items),
           config_(config),
           block_shift_(std::countr_zero(static_cast<uint32_t>(config.block_size))),
-          memory_(*memory),
+          scratch_(*scratch),
           bvh_(*bvh) {}
 
     void build() {
         bvh_.primitives.resize(items_.size());
         grow_top();
-        std::vector<Subtree>& subtrees = memory_.subtrees;
-        used_ = static_cast<uint32_t>(memory_.top.size());
+        std::vector<Subtree>& subtrees = scratch_.subtrees;
+        used_ = static_cast<uint32_t>(scratch_.top.size());
         for (size_t begin = 0, end = 0; begin < subtrees.size(); begin = end) {
             end = make_room(begin);
             parallel_for(begin, end, 1, [&](size_t k, size_t) { grow(&subtrees[k]); });
             close_gaps(std::span(subtrees).subspan(begin, end - begin));
         }
-        std::copy(memory_.top.begin(), memory_.top.end(), bvh_.nodes.begin());
+        std::copy(scratch_.top.begin(), scratch_.top.end(), bvh_.nodes.begin());
         bvh_.nodes.resize(used_);
     }
 
 private:
     // The large nodes, one after another, each by all threads.
     void grow_top() {
-        memory_.top.assign(1, BvhNode{});
-        memory_.subtrees.clear();
+        scratch_.top.assign(1, BvhNode{});
+        scratch_.subtrees.clear();
         SmallStack<Range, 64> open;
         open.push({0, 0, static_cast<uint32_t>(items_.size())});
         while (!open.is_empty()) {
             const Range range = open.pop();
             if (range.count() <= kSubtreeSize) {
-                memory_.subtrees.push_back({range, 0, 0});
+                scratch_.subtrees.push_back({range, 0, 0});
                 continue;
             }
             Extents extents;
             const uint32_t middle = split_in_parallel(range, &extents);
-            const auto children = static_cast<uint32_t>(memory_.top.size());
-            memory_.top[range.node] = {vec3(extents.lo), children, vec3(extents.hi), 0};
-            memory_.top.resize(children + 2);
+            const auto children = static_cast<uint32_t>(scratch_.top.size());
+            scratch_.top[range.node] = {vec3(extents.lo), children, vec3(extents.hi), 0};
+            scratch_.top.resize(children + 2);
             open.push({children + 1, middle, range.end});
             open.push({children, range.begin, middle});
         }
@@ -105,8 +81,8 @@ private:
     size_t make_room(size_t begin) {
         const size_t share = std::max<size_t>(items_.size() / kBatches, kSmallestBatch);
         size_t room = used_, count = 0, end = begin;
-        for (; end < memory_.subtrees.size() && count < share; ++end) {
-            Subtree& subtree = memory_.subtrees[end];
+        for (; end < scratch_.subtrees.size() && count < share; ++end) {
+            Subtree& subtree = scratch_.subtrees[end];
             subtree.room = static_cast<uint32_t>(room);
             count += subtree.range.count();
             room += 2 * subtree.range.count() - 2;
@@ -127,7 +103,7 @@ private:
             Extents extents;
             const std::span<Item> items = of(range);
             for (const Item& item : items) extents.extend(item);
-            BvhNode& node = range.node == subtree->range.node ? memory_.top[range.node] : bvh_.nodes[range.node];
+            BvhNode& node = range.node == subtree->range.node ? scratch_.top[range.node] : bvh_.nodes[range.node];
             node = {vec3(extents.lo), range.begin, vec3(extents.hi), range.count()};
             const uint32_t middle = split(range, extents, &bins, moved.data());
             if (middle == range.begin) {
@@ -182,26 +158,26 @@ private:
     template <typename Body>
     void for_each_chunk(const Range& range, const Body& body) {
         parallel_for(range.begin, range.end, kChunkSize, [&](size_t begin, size_t end) {
-            body(memory_.chunks[(begin - range.begin) / kChunkSize], items_.subspan(begin, end - begin));
+            body(scratch_.chunks[(begin - range.begin) / kChunkSize], items_.subspan(begin, end - begin));
         });
     }
 
     uint32_t split_in_parallel(const Range& range, Extents* extents) {
         const uint32_t chunk_count = (range.count() + kChunkSize - 1) / kChunkSize;
-        if (memory_.chunks.size() < chunk_count) memory_.chunks.resize(chunk_count);
+        if (scratch_.chunks.size() < chunk_count) scratch_.chunks.resize(chunk_count);
         for_each_chunk(range, [](Chunk& chunk, std::span<Item> items) {
             chunk.extents = {};
             for (const Item& item : items) chunk.extents.extend(item);
         });
-        for (uint32_t k = 0; k < chunk_count; ++k) extents->extend(memory_.chunks[k].extents);
+        for (uint32_t k = 0; k < chunk_count; ++k) extents->extend(scratch_.chunks[k].extents);
         const BinMap map(*extents, config_.bin_count);
         if (!map.is_usable()) return range.begin + range.count() / 2;
         for_each_chunk(range, [&](Chunk& chunk, std::span<Item> items) {
             chunk.bins.clear(map.bin_count);
             chunk.bins.add(items, map);
         });
-        Bins& bins = memory_.chunks[0].bins;
-        for (uint32_t k = 1; k < chunk_count; ++k) bins.add(memory_.chunks[k].bins, map.bin_count);
+        Bins& bins = scratch_.chunks[0].bins;
+        for (uint32_t k = 1; k < chunk_count; ++k) bins.add(scratch_.chunks[k].bins, map.bin_count);
         const binning::Split best =
             binning::best_split(bins, map.bin_count, range.count(), block_shift_, binning::AreaScale(*extents));
         if (best.axis < 0) return range.begin + range.count() / 2;
@@ -215,18 +191,18 @@ private:
     // Chunks are parted: L R L R ... Swaps every right part before the middle with left parts after it.
     uint32_t swap_sides(const Range& range, uint32_t chunk_count) {
         uint32_t middle = range.begin;
-        for (uint32_t k = 0; k < chunk_count; ++k) middle += memory_.chunks[k].left_count;
+        for (uint32_t k = 0; k < chunk_count; ++k) middle += scratch_.chunks[k].left_count;
         struct Run {
             uint32_t begin, end;
         };
         const auto chunk_begin = [&](uint32_t k) { return std::min(range.begin + k * kChunkSize, range.end); };
         const auto right_run = [&](uint32_t k) {
-            return Run{chunk_begin(k) + memory_.chunks[k].left_count, std::min(chunk_begin(k + 1), middle)};
+            return Run{chunk_begin(k) + scratch_.chunks[k].left_count, std::min(chunk_begin(k + 1), middle)};
         };
         const auto left_run = [&](uint32_t k) {
-            return Run{std::max(chunk_begin(k), middle), chunk_begin(k) + memory_.chunks[k].left_count};
+            return Run{std::max(chunk_begin(k), middle), chunk_begin(k) + scratch_.chunks[k].left_count};
         };
-        memory_.swaps.clear();
+        scratch_.swaps.clear();
         uint32_t a = 0, b = 0;
         Run right = right_run(a), left = left_run(b);
         while (true) {
@@ -234,13 +210,13 @@ private:
             while (left.begin >= left.end && ++b < chunk_count) left = left_run(b);
             if (a >= chunk_count || b >= chunk_count) break;
             const uint32_t count = std::min(right.end - right.begin, left.end - left.begin);
-            memory_.swaps.push_back({right.begin, left.begin, count});
+            scratch_.swaps.push_back({right.begin, left.begin, count});
             right.begin += count;
             left.begin += count;
         }
-        parallel_for(0, memory_.swaps.size(), 8, [&](size_t begin, size_t end) {
+        parallel_for(0, scratch_.swaps.size(), 8, [&](size_t begin, size_t end) {
             for (size_t k = begin; k < end; ++k) {
-                const Swap& swap = memory_.swaps[k];
+                const Swap& swap = scratch_.swaps[k];
                 const auto items = items_.begin();
                 std::swap_ranges(items + swap.a, items + swap.a + swap.count, items + swap.b);
             }
@@ -256,7 +232,7 @@ private:
                 if (!node.is_leaf()) node.first -= shift;
                 return node;
             };
-            BvhNode& root = memory_.top[subtree.range.node];
+            BvhNode& root = scratch_.top[subtree.range.node];
             root = move(root);
             for (uint32_t k = subtree.room; k < subtree.room + subtree.used; ++k) bvh_.nodes[used_++] = move(bvh_.nodes[k]);
         }
@@ -266,34 +242,31 @@ private:
     uint32_t used_ = 0;  // Nodes that are there, one after another.
     const BinnedConfig& config_;
     int block_shift_;
-    Memory& memory_;
+    BinnedScratch& scratch_;
     Bvh& bvh_;
 };
 
 }  // namespace
 
-Bvh build_binned_items(std::span<binning::Item> items, const BinnedConfig& config, Bvh storage) {
+Bvh build_binned_items(const BinnedConfig& config, Bvh storage, BinnedScratch* scratch) {
     assert(std::has_single_bit(static_cast<uint32_t>(config.block_size)));
     assert(config.bin_count >= 2 && config.bin_count <= binning::kMaxBins);
-    if (items.empty()) {
+    if (scratch->items.empty()) {
         storage.nodes.clear();
         storage.primitives.clear();
         return storage;
     }
-    static thread_local Memory memory;
-    Builder(items, config, &memory, &storage).build();
+    Builder(config, scratch, &storage).build();
     return storage;
 }
 
 Bvh build_binned(std::span<const Aabb> boxes, const BinnedConfig& config, Bvh storage) {
-    static thread_local std::vector<Item> items;
-    items.resize(boxes.size());
-    // Named here: on other threads the variable is another one.
-    const std::span<Item> all = items;
+    BinnedScratch scratch;
+    scratch.items.resize(boxes.size());
     parallel_for(0, boxes.size(), kChunkSize, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) all[k] = Item(boxes[k], static_cast<uint32_t>(k));
+        for (size_t k = begin; k < end; ++k) scratch.items[k] = Item(boxes[k], static_cast<uint32_t>(k));
     });
-    return build_binned_items(all, config, std::move(storage));
+    return build_binned_items(config, std::move(storage), &scratch);
 }
 
 }  // namespace zoe

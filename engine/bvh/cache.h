@@ -14,10 +14,10 @@
 namespace zoe {
 
 /// Trees that are kept in a folder from run to run: one file each, named by its key (see `tree_key`) and ending in .blas.
-/// A file is whole or not there, and is checked before it is believed; what is wrong with one, or with the folder, is a
-/// warning, never a failure. When the folder would exceed its limit, the files that were not used for the longest go; files
-/// with other names are left alone. Threads and processes may share a folder; several processes may exceed the limit
-/// together, by a sixteenth or one tree each.
+/// A file is whole or not there, and is checked before it is believed, as far as `read_tree` says; what is wrong with one,
+/// or with the folder, is a warning, never a failure. When the folder would exceed its limit, the files that were not used
+/// for the longest go; files with other names are left alone. Threads and processes may share a folder; several processes
+/// may exceed the limit together, by a sixteenth or one tree each.
 class TreeCache {
 public:
     static constexpr uint64_t kDefaultMaxBytes = uint64_t{1} << 30;

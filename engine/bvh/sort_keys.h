@@ -21,6 +21,8 @@ inline uint32_t index_of(uint64_t key) {
 /// keys       with indices that ascend: ties need no work then.
 /// scratch    is resized as needed and may be shared by later calls.
 /// Cost       O(n): three passes by radix; small ones are sorted by comparison.
+/// Source     Knuth. The Art of Computer Programming 3: Sorting and Searching, 5.2.5, Sorting by Distribution. 1998.
+///            Deviation: digits of 11 bits, all counted in one pass.
 void sort_keys(std::vector<uint64_t>* keys, std::vector<uint64_t>* scratch);
 
 }  // namespace zoe

@@ -1,6 +1,7 @@
 #include "engine/bvh/tree_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -10,6 +11,8 @@
 
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "engine/math/parallel.h"
 
 namespace zoe {
 
@@ -33,6 +36,12 @@ static_assert(sizeof(Header) == 72 && std::is_trivially_copyable_v<Header> && st
 // Spatial splits put a triangle into several leaves; no builder makes more than so many blocks a triangle. A bound on what
 // a file may make its reader allocate.
 constexpr uint64_t kMaxBlocksATriangle = 4;
+
+constexpr size_t kNodeGrain = 256;
+
+// A row of a block in a register, on any processor.
+using Float4 = float __attribute__((vector_size(sizeof(float) * TriangleBlock::kSize)));
+using Int4 = int32_t __attribute__((vector_size(sizeof(float) * TriangleBlock::kSize)));
 
 Header header_of(const Blas& blas, const Hash128& key) {
     Header header{};
@@ -111,19 +120,53 @@ std::string find_fault(const Header& header, const Hash128& key, size_t triangle
     return "";
 }
 
-std::string find_fault(const WideBvh& tree, std::span<const uint32_t> primitives, size_t triangle_count) {
+// leaf_counts    result: [triangle_count] how many slots hold a triangle; 2 stands for more, too.
+std::string find_fault(const WideBvh& tree, std::span<const uint32_t> primitives, std::span<uint8_t> leaf_counts) {
     if (const std::string problem = validate(tree, primitives.size() / TriangleBlock::kSize); !problem.empty()) {
         return "holds no valid tree (" + problem + ")";
     }
-    std::vector<uint8_t> is_seen(triangle_count, 0);
     size_t seen_count = 0;
     for (const uint32_t primitive : primitives) {
         if (primitive == kEmptyChild) continue;
-        if (primitive >= triangle_count) return "holds no valid tree (a triangle out of range)";
-        seen_count += is_seen[primitive] == 0;
-        is_seen[primitive] = 1;
+        if (primitive >= leaf_counts.size()) return "holds no valid tree (a triangle out of range)";
+        seen_count += leaf_counts[primitive] == 0;
+        leaf_counts[primitive] = std::min(leaf_counts[primitive] + 1, 2);
     }
-    return seen_count == triangle_count ? "" : "holds no valid tree (a triangle is in no leaf)";
+    return seen_count == leaf_counts.size() ? "" : "holds no valid tree (a triangle is in no leaf)";
+}
+
+// Whether a triangle that stands in one leaf only reaches out of it. A corner that is NaN does not.
+bool reaches_out(const TriangleBlock& block, const Aabb& leaf, std::span<const uint8_t> leaf_counts) {
+    Int4 is_outside{};
+    for (int row = 0; row < 9; ++row) {
+        Float4 x;
+        std::memcpy(&x, block.corners[row], sizeof x);
+        is_outside |= (x < leaf.lo[row % 3]) | (x > leaf.hi[row % 3]);
+    }
+    for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
+        if (is_outside[slot] != 0 && leaf_counts[block.primitive[slot]] == 1) return true;
+    }
+    return false;
+}
+
+// Of boxes that are smaller than what is in them, rays would miss that.
+std::string find_fault(const Blas& blas, std::span<const uint8_t> leaf_counts) {
+    std::atomic<bool> is_faulty{false};
+    parallel_for(0, blas.tree.nodes.size(), kNodeGrain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            const WideNode& node = blas.tree.nodes[k];
+            for (int slot = 0; slot < kWidth; ++slot) {
+                const uint32_t child = node.child[slot];
+                if (child == kEmptyChild || !is_leaf(child)) continue;
+                const Aabb leaf = node.box(slot);
+                if (!(leaf.lo == leaf.lo && leaf.hi == leaf.hi)) is_faulty = true;  // NaN: bounds nothing.
+                for (uint32_t block = 0; block < block_count(child); ++block) {
+                    if (reaches_out(blas.blocks[first_block(child) + block], leaf, leaf_counts)) is_faulty = true;
+                }
+            }
+        }
+    });
+    return is_faulty ? "holds no valid tree (a triangle reaches out of its leaf)" : "";
 }
 
 }  // namespace
@@ -182,16 +225,11 @@ std::string read_tree(int file, const Hash128& key, std::span<const glm::vec3> p
     if (header.checksum != checksum(header, {made.tree.nodes, made.tree.level_ends, primitives})) {
         return "is damaged: its checksum is wrong";
     }
-    if (const std::string fault = find_fault(made.tree, primitives, corners.size()); !fault.empty()) return fault;
+    std::vector<uint8_t> leaf_counts(corners.size());
+    if (const std::string fault = find_fault(made.tree, primitives, leaf_counts); !fault.empty()) return fault;
 
-    made.triangle_count = header.triangle_count;
-    made.has_pieces =
-        static_cast<size_t>(std::ranges::count_if(primitives, [](uint32_t p) { return p != kEmptyChild; })) > corners.size();
-    made.blocks.resize(header.block_count);
-    for (size_t k = 0; k < made.blocks.size(); ++k) {
-        std::copy_n(&primitives[k * TriangleBlock::kSize], TriangleBlock::kSize, made.blocks[k].primitive);
-    }
-    place_triangles(positions, corners, &made);
+    fill_blocks(primitives, positions, corners, &made);
+    if (const std::string fault = find_fault(made, leaf_counts); !fault.empty()) return fault;
     *blas = std::move(made);
     return "";
 }

@@ -26,8 +26,10 @@ uint64_t tree_file_size(const Blas& blas);
 std::string write_tree(int file, const Hash128& key, const Blas& blas);
 
 /// Reads a tree that `write_tree` wrote, on this kind of machine, under this key. Whatever the file holds, a tree that is
-/// accepted has links, levels, blocks and triangles that all exist, each triangle in at least one leaf: no ray leaves it,
-/// and its memory is bounded by the mesh.
+/// accepted has links, levels, blocks and triangles that all exist, each triangle in at least one leaf, and in that leaf's
+/// box where it stands in no other: no ray leaves it, its memory is bounded by the mesh, and hits are right. Only which
+/// pieces of a triangle in several leaves these bound is believed: whoever forges that, checksum and all, makes rays miss
+/// such triangles.
 /// file       a descriptor of anything, at its beginning.
 /// positions, corners   of the mesh that the key was made of.
 /// blas       result; left as it is where something is wrong.

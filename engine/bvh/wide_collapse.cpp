@@ -26,10 +26,8 @@ public:
             sketch_level(slots);
             wide->level_ends.push_back(static_cast<uint32_t>(scratch_.sketches.size()));
         }
-        // Room for these nodes and no more: a vector that grows by itself takes up to twice as much.
         const size_t count = scratch_.sketches.size();
-        if (count > wide->nodes.capacity()) WideBvh().nodes.swap(wide->nodes);
-        wide->nodes.resize(count);
+        resize_anew(&wide->nodes, count);
         parallel_for(0, count, kMakeGrain, [&](size_t begin, size_t end) {
             for (size_t k = begin; k < end; ++k) make_node(scratch_.sketches[k], &wide->nodes[k]);
         });

@@ -23,4 +23,17 @@ struct HugeAllocator {
     friend bool operator==(const HugeAllocator&, const HugeAllocator&) { return true; }
 };
 
+/// Sizes an array that is about to be written anew, whatever is in it. Never at once in the old place and a new one. The
+/// first time it gets the room that it needs and no more; where that was too little, an eighth more than it needs now: what
+/// grows from frame to frame moves only now and then.
+template <typename Vector>
+void resize_anew(Vector* array, size_t count) {
+    if (count > array->capacity()) {
+        const size_t room = array->capacity() == 0 ? count : count + count / 8;
+        Vector().swap(*array);
+        array->reserve(room);
+    }
+    array->resize(count);
+}
+
 }  // namespace zoe

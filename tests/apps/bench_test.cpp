@@ -222,13 +222,30 @@ TEST(Bench, TreesAreComparedAndAgree) {
                 EXPECT_GT(row[field], 0.0) << field;
             EXPECT_LT(row["disagreements"], 5);
             peer_count += row["is_peer"].get<bool>();
-            if (row["is_peer"]) continue;
+            EXPECT_GT(row["bytes_per_triangle"], 10.0);
+            if (row["is_peer"]) {
+                uint64_t verdict_count = 0;
+                for (const auto& [name, count] : row["verdicts"].items()) verdict_count += count.get<uint64_t>();
+                EXPECT_EQ(row["disagreements"], verdict_count);
+                EXPECT_EQ(row["verdicts"]["peer_right"], 0);
+                EXPECT_EQ(row["verdicts"]["not_judged"], 0);
+                continue;
+            }
+            const Json& binary = row["binary"];
+            EXPECT_GT(binary["sah"], 1.0);
+            EXPECT_GE(binary["epo"], 0.0);
+            EXPECT_GE(binary["depth"], row["depth"]);
+            EXPECT_EQ(binary["references"].get<uint64_t>() - binary["duplicates"].get<uint64_t>(), scene["triangles"]);
             EXPECT_GE(row["nodes_per_ray"], 1.0);
             EXPECT_GT(row["sah"], 0.0);
             EXPECT_EQ(row["disagreements"], 0);
         }
+        EXPECT_EQ(scene["rows"][0]["tree"], "median split");
         EXPECT_EQ(peer_count, is_embree_available() ? 3u : 0u);
     }
+    for (const char* const claim : {"sweep against median split: ", "binned against sweep: "})
+        EXPECT_NE(outcome.out.find(claim), std::string::npos) << claim;
+    EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
 }
 
 TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {

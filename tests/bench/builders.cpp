@@ -5,12 +5,12 @@
 #include "engine/bvh/blas.h"
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/bvh/epo.h"
 #include "engine/bvh/reinsert.h"
 #include "engine/bvh/tree_stats.h"
-#include "tests/bench/build_median.h"
 #include "tests/bench/harness.h"
 #include "tests/bench/inputs.h"
 #include "tests/math/random_inputs.h"
@@ -140,7 +140,7 @@ void register_builders() {
             add(method + "/" + mesh,
                 [=](benchmark::State& state, const std::string& name) { build(state, name, mesh, builder); });
         };
-        add_builder("build_median", [](Boxes boxes, Bvh) { return build_median(boxes); });
+        add_builder("build_median", [](Boxes boxes, Bvh storage) { return build_median(boxes, 4, std::move(storage)); });
         add_builder("build_binned", [](Boxes boxes, Bvh storage) { return build_binned(boxes, {}, std::move(storage)); });
         add_builder("build_sweep", [](Boxes boxes, Bvh storage) { return build_sweep(boxes, {}, std::move(storage)); });
         add_builder("build_sweep_and_reinsert", [](Boxes boxes, Bvh storage) {

@@ -14,16 +14,8 @@
 namespace zoe::test {
 namespace {
 
-constexpr BlasBuilder kBuilders[] = {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kReinserted,
-                                     BlasBuilder::kSbvh};
-
-/// Large triangles across many small ones, which spatial splits cut.
-TestMesh large_among_small(uint64_t seed) {
-    TestMesh mesh = random_soup(2000, 0.1f, seed);
-    Rng rng(seed);
-    for (int k = 0; k < 40; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
-    return mesh;
-}
+constexpr BlasBuilder kBuilders[] = {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kReinserted, BlasBuilder::kSbvh,
+                                     BlasBuilder::kMedian};
 
 TEST(Blas, EveryBuilderGivesTheHitsOfTheLoopOverAllTrianglesToTheLastBit) {
     const uint64_t seed = 81;
@@ -177,6 +169,27 @@ TEST(BlasDeathTest, PiecesAreNotRefitted) {
     EXPECT_FALSE(blas.has_pieces);
     refit_blas(mesh.positions, mesh.corners, &blas);
     EXPECT_EQ(validate(blas, mesh.positions, mesh.corners), "");
+}
+
+TEST(Blas, HasPiecesOnlyWhereATriangleStandsInSeveralLeaves) {
+    TestMesh diagonal{"a long diagonal triangle, and small ones beside it", {}, {}};
+    diagonal.add({0, 0, 0}, {10, 10, 10}, {10, 10, 9});
+    diagonal.add({0, 10, 0}, {0.1f, 10, 0}, {0, 10, 0.1f});
+    diagonal.add({10, 0, 10}, {9.9f, 0, 10}, {10, 0, 9.9f});
+    const SbvhConfig config{.max_reference_growth = 1.4f, .min_overlap = 0.0f, .max_leaf_size = 1, .node_cost = 0.0f};
+    for (const TestMesh& mesh : {diagonal, large_among_small(90)}) {
+        const StaticBvh bvh = build_sbvh(mesh.positions, mesh.corners, config);
+        ASSERT_GT(bvh.tree.primitives.size(), mesh.corners.size());
+        Blas blas = blas_from(bvh, mesh);
+        size_t held_count = 0;
+        for (const TriangleBlock& block : blas.blocks)
+            held_count += std::ranges::count_if(block.primitive, [](uint32_t p) { return p != kEmptyChild; });
+        EXPECT_EQ(blas.has_pieces, held_count > mesh.corners.size());
+        EXPECT_EQ(blas.has_pieces, mesh.corners.size() > 4) << "the pieces of a few are joined in one block";
+        if (blas.has_pieces) continue;
+        refit_blas(mesh.positions, mesh.corners, &blas);
+        EXPECT_EQ(validate(blas, mesh.positions, mesh.corners), "");
+    }
 }
 
 TEST(Blas, IsReusedForMeshesOfAnySize) {

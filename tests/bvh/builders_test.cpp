@@ -7,9 +7,9 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sweep.h"
 #include "engine/math/parallel.h"
-#include "tests/bench/build_median.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 
@@ -82,7 +82,7 @@ TEST(Builders, DepthStaysNearTheLogarithmWhereNothingForcesMore) {
         if (mesh.name == "each twice as far as the one before" || mesh.name == "on a line") continue;
         const std::vector<Aabb> boxes = mesh.boxes();
         for (const NamedBuilder& builder : all_builders()) {
-            if (builder.is_quadratic || !accepts(builder, boxes)) continue;
+            if (builder.may_be_deep || !accepts(builder, boxes)) continue;
             const int log = std::bit_width(boxes.size());
             EXPECT_LE(depth(builder.build(boxes)), 3 * log + 12) << builder.name << " on " << mesh.name;
         }
@@ -97,11 +97,11 @@ TEST(Builders, LeavesAreNoLargerThanAllowed) {
         for (const int size : {1, 2, 8}) {
             const Bvh swept = build_sweep(input, {.max_leaf_size = size});
             const Bvh binned = build_binned(input, {.max_leaf_size = size});
-            for (const Bvh* bvh : {&swept, &binned}) {
+            const Bvh halved = build_median(input, size);
+            for (const Bvh* bvh : {&swept, &binned, &halved}) {
                 for (const BvhNode& node : bvh->nodes) ASSERT_LE(node.count, uint32_t(size));
             }
         }
-        if (input.size() > 3000) continue;
         for (const BvhNode& node : build_agglomerative(input).nodes) ASSERT_LE(node.count, 1u);
     }
 }
@@ -121,14 +121,12 @@ TEST(Builders, LeavesFillBlocksWhereTrianglesAreTestedInBlocks) {
 TEST(Builders, GiveTheSameTreeOnAnyNumberOfThreads) {
     const TestMesh soup = random_soup(60000, 0.2f, 63);
     const std::vector<Aabb> boxes = soup.boxes();
-    const std::vector<Aabb> few(boxes.begin(), boxes.begin() + 1500);
     for (const NamedBuilder& builder : all_builders()) {
-        const std::vector<Aabb>& input = builder.is_quadratic ? few : boxes;
         set_thread_count(1);
-        const Bvh reference = builder.build(input);
+        const Bvh reference = builder.build(boxes);
         for (const int threads : {2, 4}) {
             set_thread_count(threads);
-            EXPECT_TRUE(is_same_tree(builder.build(input), reference)) << builder.name << ", " << threads << " threads";
+            EXPECT_TRUE(is_same_tree(builder.build(boxes), reference)) << builder.name << ", " << threads << " threads";
         }
     }
     set_thread_count(0);
@@ -139,7 +137,9 @@ TEST(Builders, StorageOfAnotherTreeChangesNothing) {
     EXPECT_TRUE(is_same_tree(build_sweep(boxes, {}, build_sweep(others)), build_sweep(boxes)));
     EXPECT_TRUE(is_same_tree(build_binned(boxes, {}, build_binned(others)), build_binned(boxes)));
     EXPECT_TRUE(is_same_tree(build_agglomerative(boxes, build_sweep(others)), build_agglomerative(boxes)));
+    EXPECT_TRUE(is_same_tree(build_median(boxes, 4, build_sweep(others)), build_median(boxes)));
     EXPECT_TRUE(build_binned({}, {}, build_binned(others)).nodes.empty());
+    EXPECT_TRUE(build_median({}, 4, build_binned(others)).primitives.empty());
 }
 
 TEST(Builders, BeatAMedianSplitBySurfaceArea) {

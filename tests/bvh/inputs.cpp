@@ -7,6 +7,7 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sweep.h"
 #include "tests/math/random_inputs.h"
 
@@ -65,6 +66,13 @@ TestMesh random_soup(int triangle_count, float size, uint64_t seed) {
         const glm::vec3 a = random_point(rng, size), b = random_point(rng, size), c = random_point(rng, size);
         mesh.add(place + a, place + b, place + c);
     }
+    return mesh;
+}
+
+TestMesh large_among_small(uint64_t seed) {
+    TestMesh mesh = random_soup(3000, 0.1f, seed);
+    Rng rng(seed);
+    for (int k = 0; k < 60; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
     return mesh;
 }
 
@@ -156,12 +164,13 @@ std::vector<NamedBuilder> all_builders() {
         {"binned, blocks of four", [](Boxes boxes) { return build_binned(boxes, {.block_size = 4, .node_cost = 0.5f}); }},
         {"binned, two bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 2, .max_leaf_size = 1}); }},
         {"binned, 64 bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 64, .max_leaf_size = 4}); }},
+        {"median", [](Boxes boxes) { return build_median(boxes); }},
+        {"median, leaves of one", [](Boxes boxes) { return build_median(boxes, 1); }},
         {"agglomerative", [](Boxes boxes) { return build_agglomerative(boxes); }, true, true},
     };
 }
 
 bool accepts(const NamedBuilder& builder, std::span<const Aabb> boxes) {
-    if (builder.is_quadratic && boxes.size() > 2500) return false;
     return !builder.needs_finite_boxes ||
            std::all_of(boxes.begin(), boxes.end(), [](const Aabb& box) { return box.is_finite() && !box.is_empty(); });
 }

@@ -22,6 +22,8 @@ struct TestMesh {
 };
 
 TestMesh random_soup(int triangle_count, float size, uint64_t seed);
+/// Large triangles across many small ones: what spatial splits are for.
+TestMesh large_among_small(uint64_t seed);
 
 /// Every kind of input that builders are known to fail on.
 std::vector<TestMesh> nasty_meshes();
@@ -29,7 +31,7 @@ std::vector<TestMesh> nasty_meshes();
 struct NamedBuilder {
     std::string name;
     std::function<Bvh(std::span<const Aabb>)> build;
-    bool is_quadratic = false;        ///< Keep inputs small.
+    bool may_be_deep = false;         ///< Depth is not bounded by the logarithm.
     bool needs_finite_boxes = false;  ///< Takes no empty or non-finite box.
 };
 

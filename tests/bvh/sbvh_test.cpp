@@ -38,14 +38,6 @@ bool is_same_tree(const Bvh& a, const Bvh& b) {
            std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
 }
 
-/// Large triangles across many small ones: what spatial splits are for.
-TestMesh large_among_small(uint64_t seed) {
-    TestMesh mesh = random_soup(3000, 0.1f, seed);
-    Rng rng(seed);
-    for (int k = 0; k < 60; ++k) mesh.add(random_point(rng, 10.0f), random_point(rng, 10.0f), random_point(rng, 10.0f));
-    return mesh;
-}
-
 TEST(Sbvh, IsValidAndInItsBudgetOnEveryNastyInput) {
     for (const TestMesh& mesh : nasty_meshes()) {
         for (const NamedConfig& named : configs()) {

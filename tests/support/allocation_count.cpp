@@ -1,10 +1,11 @@
 #include "tests/support/allocation_count.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <new>
-
-#include <malloc.h>
 
 // Once inlined, malloc and free look like a mismatch of new and delete.
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
@@ -13,52 +14,62 @@ namespace {
 
 std::atomic<size_t> count{0}, live{0}, peak{0};
 
-void* counted(void* memory) {
-    if (!memory) return nullptr;
+// What was asked for stands right before the memory: what malloc makes of it may differ from run to run, by as much as the
+// alignment.
+constexpr size_t kHeader = alignof(std::max_align_t);
+
+void* counted(void* whole, size_t header, size_t size) {
+    if (!whole) return nullptr;
+    std::byte* const memory = static_cast<std::byte*>(whole) + header;
+    std::memcpy(memory - sizeof size, &size, sizeof size);
     ++count;
-    const size_t now = live += malloc_usable_size(memory);
+    const size_t now = live += size;
     for (size_t most = peak; now > most && !peak.compare_exchange_weak(most, now);) {
     }
     return memory;
 }
 
-void* counted_or_throw(void* memory) {
+void* allocate(size_t size) {
+    return counted(std::malloc(kHeader + size), kHeader, size);
+}
+
+void* allocate_aligned(size_t size, std::align_val_t alignment) {
+    const size_t step = std::max(static_cast<size_t>(alignment), kHeader);
+    return counted(std::aligned_alloc(step, step + (size + step - 1) / step * step), step, size);
+}
+
+void release(void* memory, size_t header) {
+    if (!memory) return;
+    size_t size;
+    std::memcpy(&size, static_cast<std::byte*>(memory) - sizeof size, sizeof size);
+    live -= size;
+    std::free(static_cast<std::byte*>(memory) - header);
+}
+
+void* or_throw(void* memory) {
     if (!memory) throw std::bad_alloc();
-    return counted(memory);
-}
-
-void* aligned(size_t size, std::align_val_t alignment) {
-    const size_t step = static_cast<size_t>(alignment);
-    return std::aligned_alloc(step, (size + step - 1) / step * step);
-}
-
-void release(void* memory) {
-    if (memory) live -= malloc_usable_size(memory);
-    std::free(memory);
+    return memory;
 }
 
 }  // namespace
 
 void* operator new(size_t size) {
-    return counted_or_throw(std::malloc(size > 0 ? size : 1));
+    return or_throw(allocate(size));
 }
 void* operator new(size_t size, const std::nothrow_t&) noexcept {
-    return counted(std::malloc(size > 0 ? size : 1));
+    return allocate(size);
 }
 void* operator new(size_t size, std::align_val_t alignment) {
-    return counted_or_throw(aligned(size > 0 ? size : 1, alignment));
+    return or_throw(allocate_aligned(size, alignment));
 }
 void operator delete(void* memory) noexcept {
-    release(memory);
+    release(memory, kHeader);
 }
 void operator delete(void* memory, size_t) noexcept {
-    release(memory);
+    release(memory, kHeader);
 }
-void operator delete(void* memory, std::align_val_t) noexcept {
-    release(memory);
-}
-void operator delete(void* memory, size_t, std::align_val_t) noexcept {
-    release(memory);
+void operator delete(void* memory, std::align_val_t alignment) noexcept {
+    release(memory, std::max(static_cast<size_t>(alignment), kHeader));
 }
 
 namespace zoe::test {
