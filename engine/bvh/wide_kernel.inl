@@ -263,9 +263,15 @@ HWY_INLINE bool next_child(const WideNode& node, const Tested& ray, float limit,
         // The last one is given back, and lands where the next one is pushed.
         *child = node.child[31 - std::countl_zero(mask)];
         if ((mask & (mask - 1)) == 0) return true;
+#if HWY_TARGET <= HWY_AVX3
         hn::StoreU(hn::Compress(hn::Load(bits, node.child), hn::RebindMask(bits, entered.mask)), bits,
                    stack->children + stack->size);
         stack->size += std::popcount(mask) - 1;
+#else
+        // Compressing takes older processors longer than these few.
+        for (uint32_t rest = mask; (rest & (rest - 1)) != 0; rest &= rest - 1)
+            stack->children[stack->size++] = node.child[std::countr_zero(rest)];
+#endif
         return true;
     }
     const uint32_t first = static_cast<uint32_t>(std::countr_zero(mask)), rest = mask & (mask - 1);
