@@ -7,6 +7,7 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_ploc.h"
 #include "engine/bvh/build_sweep.h"
 #include "tests/math/random_inputs.h"
 
@@ -146,6 +147,15 @@ std::vector<TestMesh> nasty_meshes() {
     return meshes;
 }
 
+namespace {
+
+Bvh ploc(std::span<const Aabb> boxes, uint32_t search_radius) {
+    PlocScratch scratch;
+    return build_ploc(boxes, {.search_radius = search_radius}, {}, &scratch);
+}
+
+}  // namespace
+
 std::vector<NamedBuilder> all_builders() {
     using Boxes = std::span<const Aabb>;
     return {
@@ -157,6 +167,8 @@ std::vector<NamedBuilder> all_builders() {
         {"binned, two bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 2, .max_leaf_size = 1}); }},
         {"binned, 64 bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 64, .max_leaf_size = 4}); }},
         {"agglomerative", [](Boxes boxes) { return build_agglomerative(boxes); }, true, true},
+        {"ploc", [](Boxes boxes) { return ploc(boxes, 16); }},
+        {"ploc, next neighbours", [](Boxes boxes) { return ploc(boxes, 1); }},
     };
 }
 
