@@ -15,7 +15,8 @@ inline constexpr uint32_t kNoInstance = 0xffffffffu;
 struct Instance {
     Affine world_from_local;
     Affine local_from_world;
-    Aabb bounds_world;
+    Aabb bounds_local;  ///< Around the whole BLAS,
+    Aabb bounds_world;  ///< and around that.
     const Blas* blas = nullptr;
     const Mesh* mesh = nullptr;            ///< Topology, texture coordinates, colours, materials.
     std::span<const glm::vec3> positions;  ///< [vertex_count] this frame's, local space.
@@ -34,7 +35,7 @@ struct Tlas {
     std::vector<Instance> instances;         ///< In order of their nodes.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
     std::vector<uint32_t> slots;             ///< [instances] positions in `instances`, in order of `placed`.
-    CollapseScratch scratch;                 ///< Memory that one frame hands to the next.
+    uint64_t build_count = 0;                ///< Frames so far that built the tree; others kept it.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }
