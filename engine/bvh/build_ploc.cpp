@@ -13,6 +13,7 @@ namespace {
 
 constexpr uint32_t kGrain = 1024;      // Clusters of a part.
 constexpr uint32_t kUnionGrain = 512;  // Unions that are placed by one thread.
+constexpr uint32_t kAhead = 8;         // Unions whose place in memory is asked for before its turn.
 constexpr uint32_t kPairs = 4096;      // Looked at in a round in any case: 64 clusters look at each other.
 constexpr uint32_t kFew = 12;          // Fewer than one union of so many clusters, and others merge, too.
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -115,8 +116,9 @@ private:
                 }
                 part.union_count = part.out_count = 0;
                 for (uint32_t k = b; k < e; ++k) {
-                    if (scratch_.mates[k] != kNoCluster && scratch_.mates[k] > k) ++part.union_count;
-                    if (scratch_.mates[k] == kNoCluster || scratch_.mates[k] > k) ++part.out_count;
+                    const uint32_t mate = scratch_.mates[k];
+                    part.out_count += mate > k;  // Nobody is, too.
+                    part.union_count += (mate > k) & (mate != kNoCluster);
                 }
             });
             uint32_t union_count = 0;
@@ -128,8 +130,8 @@ private:
 
     void mate_with_each_other(uint32_t begin, uint32_t end) {
         for (uint32_t k = begin; k < end; ++k) {
-            const uint32_t partner = scratch_.partners[k];
-            scratch_.mates[k] = partner != kNoCluster && scratch_.partners[partner] == k ? partner : kNoCluster;
+            const uint32_t partner = scratch_.partners[k], asked = partner == kNoCluster ? k : partner;
+            scratch_.mates[k] = scratch_.partners[asked] == k ? partner : kNoCluster;
         }
     }
 
@@ -187,6 +189,7 @@ private:
             const uint32_t begin = round == 0 ? 0 : scratch_.round_ends[round - 1];
             parallel_for(begin, scratch_.round_ends[round], kUnionGrain, [&](size_t from, size_t to) {
                 for (size_t k = from; k < to; ++k) {
+                    if (k + kAhead < to) __builtin_prefetch(&bvh->nodes[scratch_.places[k + kAhead].first_node - 1], 1);
                     const Union& at = scratch_.unions[k];
                     const Place left = {scratch_.places[k].first_node + 2, scratch_.places[k].first_leaf};
                     const Place right = {left.first_node + 2 * (at.left_leaf_count - 1),

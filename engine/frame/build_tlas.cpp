@@ -12,6 +12,7 @@ namespace zoe {
 namespace {
 
 constexpr size_t kGrain = 512;
+constexpr size_t kAhead = 8;  // Instances that memory is asked for before their turn.
 
 // Looks at a BLAS once for all shapes in a row that show it.
 class BlasSummary {
@@ -54,7 +55,9 @@ void choose_shown(const Scene& scene, FrameState* state) {
         for (size_t k = begin; k < end; ++k) {
             const Shape& shape = state->shapes[k];
             summary.look_at(shape.blas);
-            Instance instance{.world_from_local = world_from_local(shape, *state), .bounds_local = summary.bounds()};
+            Instance instance;
+            instance.world_from_local = world_from_local(shape, *state);
+            instance.bounds_local = summary.bounds();
             is_shown[k] = place(&instance);
         }
     });
@@ -102,7 +105,9 @@ TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
             summary.look_at(shape.blas);
             const uint32_t at = tlas.instance_of_node[index(shape.node)];
             if (at == kNoInstance) {
-                Instance instance{.world_from_local = world_from_local(shape, *state), .bounds_local = summary.bounds()};
+                Instance instance;
+                instance.world_from_local = world_from_local(shape, *state);
+                instance.bounds_local = summary.bounds();
                 if (place(&instance)) part.is_shown_other = true;
                 continue;
             }
@@ -131,6 +136,12 @@ void warn_of_hidden(Scene& scene, const FrameState& state) {
     }
 }
 
+// What rays need of an instance lies in its first two cache lines.
+void prefetch(const Instance& instance) {
+    __builtin_prefetch(&instance);
+    __builtin_prefetch(&instance.bounds_world.hi);
+}
+
 // Builds the tree, and makes what rays walk through of it.
 void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
     tlas->bvh = build_clusters(scratch->bounds, config, std::move(tlas->bvh), &scratch->clusters);
@@ -138,6 +149,7 @@ void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
     tlas->placed.resize(tlas->slots.size());
     parallel_for(0, tlas->slots.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
+            if (k + kAhead < end) prefetch(tlas->instances[tlas->slots[k + kAhead]]);
             const Instance& instance = tlas->instances[tlas->slots[k]];
             tlas->placed[k] = {.local_from_world = instance.local_from_world,
                                .bounds_world = instance.bounds_world,

@@ -13,17 +13,17 @@ inline constexpr uint32_t kNoInstance = 0xffffffffu;
 
 /// A node's BLAS in the world, and this frame's vertices for whoever shades its hits.
 struct Instance {
-    Affine world_from_local;
     Affine local_from_world;
-    Aabb bounds_local;  ///< Around the whole BLAS,
-    Aabb bounds_world;  ///< and around that.
+    Aabb bounds_world;  ///< Around bounds_local.
     const Blas* blas = nullptr;
+    NodeId node = kNone<NodeId>;
+    bool is_identity = false;  ///< Local space is world space.
+    Motion motion = Motion::kStatic;
+    Affine world_from_local;
+    Aabb bounds_local;                     ///< Around the whole BLAS.
     const Mesh* mesh = nullptr;            ///< Topology, texture coordinates, colours, materials.
     std::span<const glm::vec3> positions;  ///< [vertex_count] this frame's, local space.
     std::span<const glm::vec3> normals;    ///< [vertex_count] or empty; not normalised, may be zero.
-    NodeId node = kNone<NodeId>;
-    Motion motion = Motion::kStatic;
-    bool is_identity = false;  ///< Local space is world space.
 };
 
 /// One tree over all instances of a frame. Valid until the next `advance` or edit of its scene.
