@@ -25,7 +25,8 @@ TEST_P(SteadyState, AllocatesNothing) {
     set_thread_count(0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Content, SteadyState, testing::Values("static", "rigid", "deforming", "skinned", "default"));
+INSTANTIATE_TEST_SUITE_P(Content, SteadyState,
+                         testing::Values("static", "rigid", "deforming", "skinned", "instances", "default"));
 
 }  // namespace
 }  // namespace zoe
