@@ -4,72 +4,179 @@
 #include <string>
 #include <utility>
 
-#include "engine/bvh/build_agglomerative.h"
 #include "engine/frame/frame_state.h"
+#include "engine/math/parallel.h"
 
 namespace zoe {
 
 namespace {
 
-// The instance of a shape; false where it cannot be hit in this frame.
-bool place(const Shape& shape, Scene& scene, const FrameState& state, Instance* instance) {
-    const Aabb bounds = shape.blas->tree.bounds();
-    if (bounds.is_empty()) return false;
-    const NodeId frame = shape.motion.frame;
-    const Affine world_from_local = frame == kNone<NodeId> ? Affine{} : state.world_matrices[index(frame)];
-    const bool is_identity = world_from_local == Affine{};
-    *instance = {.world_from_local = world_from_local,
-                 .local_from_world = Affine{},
-                 .bounds_world = is_identity ? bounds : transform(world_from_local, bounds),
-                 .blas = shape.blas,
-                 .mesh = &scene[shape.mesh],
-                 .positions = shape.positions,
-                 .normals = shape.normals,
-                 .node = shape.node,
-                 .motion = shape.motion.motion,
-                 .is_identity = is_identity};
-    if (!is_identity && !(invert(world_from_local, &instance->local_from_world) && instance->bounds_world.is_finite())) {
-        scene.warn("node " + std::to_string(index(shape.node)) + " '" + scene[shape.node].name +
-                   "': not shown in frames where its world matrix has no finite inverse (a scale of 0, say)");
-        return false;
+constexpr size_t kGrain = 512;
+constexpr size_t kAhead = 8;  // Instances that memory is asked for before their turn.
+
+// Looks at a BLAS once for all shapes in a row that show it.
+class BlasSummary {
+public:
+    void look_at(const Blas* blas) {
+        if (blas == blas_) return;
+        blas_ = blas;
+        bounds_ = blas->tree.bounds();
     }
-    return true;
+    const Aabb& bounds() const { return bounds_; }
+
+private:
+    const Blas* blas_ = nullptr;
+    Aabb bounds_;
+};
+
+const Affine& world_from_local(const Shape& shape, const FrameState& state) {
+    static const Affine identity;
+    const NodeId frame = shape.motion.frame;
+    return frame == kNone<NodeId> ? identity : state.world_matrices[index(frame)];
 }
 
-// Makes what rays walk through of the binary tree.
-void make_traversed(Tlas* tlas) {
-    collapse(tlas->bvh, {.block_size = 1, .max_leaf_blocks = 1}, &tlas->tree, &tlas->slots, &tlas->scratch);
-    tlas->placed.clear();
-    size_t deepest = 0;
-    for (const uint32_t slot : tlas->slots) {
-        const Instance& instance = tlas->instances[slot];
-        tlas->placed.push_back({.local_from_world = instance.local_from_world,
-                                .bounds_world = instance.bounds_world,
-                                .blas = instance.blas,
-                                .id = index(instance.node),
-                                .is_identity = instance.is_identity});
-        deepest = std::max(deepest, instance.blas->tree.stack_size());
+// What follows from the matrix and the local bounds; false where the instance cannot be hit.
+bool place(Instance* instance) {
+    if (instance->bounds_local.is_empty()) return false;
+    instance->is_identity = instance->world_from_local == Affine{};
+    instance->local_from_world = Affine{};
+    instance->bounds_world = instance->bounds_local;
+    if (instance->is_identity) return true;
+    instance->bounds_world = transform(instance->world_from_local, instance->bounds_local);
+    return invert(instance->world_from_local, &instance->local_from_world) && instance->bounds_world.is_finite();
+}
+
+// Finds out which shapes can be hit in this frame, and makes room for their instances, in order.
+void choose_shown(const Scene& scene, FrameState* state) {
+    std::vector<uint8_t>& is_shown = state->tlas_scratch.is_shown;
+    is_shown.resize(state->shapes.size());
+    parallel_for(0, state->shapes.size(), kGrain, [&](size_t begin, size_t end) {
+        BlasSummary summary;
+        for (size_t k = begin; k < end; ++k) {
+            const Shape& shape = state->shapes[k];
+            summary.look_at(shape.blas);
+            Instance instance;
+            instance.world_from_local = world_from_local(shape, *state);
+            instance.bounds_local = summary.bounds();
+            is_shown[k] = place(&instance);
+        }
+    });
+    Tlas& tlas = state->tlas;
+    tlas.instance_of_node.assign(scene.nodes.size(), kNoInstance);
+    uint32_t count = 0;
+    for (size_t k = 0; k < is_shown.size(); ++k) {
+        if (is_shown[k]) tlas.instance_of_node[index(state->shapes[k].node)] = count++;
     }
-    // One more: what brings the ray back from an instance.
-    tlas->stack_size = tlas->tree.stack_size() + deepest + 1;
+    tlas.instances.resize(count);
+    state->tlas_scratch.bounds.resize(count);
+}
+
+// Brings an instance up to date. Its place is worked out anew only where what it follows from is other than it was.
+// Returns    false where it cannot be hit.
+bool update(const Scene& scene, const Shape& shape, const FrameState& state, const Aabb& bounds_local, Instance* instance,
+            TlasScratch::Part* part) {
+    const Affine& matrix = world_from_local(shape, state);
+    const bool is_same = instance->blas == shape.blas && instance->node == shape.node &&
+                         instance->world_from_local == matrix && instance->bounds_local.lo == bounds_local.lo &&
+                         instance->bounds_local.hi == bounds_local.hi;
+    instance->mesh = &scene[shape.mesh];
+    instance->positions = shape.positions;
+    instance->normals = shape.normals;
+    instance->motion = shape.motion.motion;
+    if (is_same) return true;
+    part->is_moved = true;
+    instance->world_from_local = matrix;
+    instance->bounds_local = bounds_local;
+    instance->blas = shape.blas;
+    instance->node = shape.node;
+    return place(instance);
+}
+
+// Returns what holds for all of them together.
+TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
+    Tlas& tlas = state->tlas;
+    TlasScratch& scratch = state->tlas_scratch;
+    scratch.parts.resize((state->shapes.size() + kGrain - 1) / kGrain);
+    parallel_for(0, state->shapes.size(), kGrain, [&](size_t begin, size_t end) {
+        TlasScratch::Part part{};
+        BlasSummary summary;
+        for (size_t k = begin; k < end; ++k) {
+            const Shape& shape = state->shapes[k];
+            summary.look_at(shape.blas);
+            const uint32_t at = tlas.instance_of_node[index(shape.node)];
+            if (at == kNoInstance) {
+                Instance instance;
+                instance.world_from_local = world_from_local(shape, *state);
+                instance.bounds_local = summary.bounds();
+                if (place(&instance)) part.is_shown_other = true;
+                continue;
+            }
+            Instance& instance = tlas.instances[at];
+            if (!update(scene, shape, *state, summary.bounds(), &instance, &part)) part.is_shown_other = true;
+            scratch.bounds[at] = instance.bounds_world;
+            part.deepest = std::max(part.deepest, shape.blas->tree.stack_size());
+        }
+        scratch.parts[begin / kGrain] = part;
+    });
+    TlasScratch::Part all{};
+    for (const TlasScratch::Part& part : scratch.parts) {
+        all.is_shown_other |= part.is_shown_other;
+        all.is_moved |= part.is_moved;
+        all.deepest = std::max(all.deepest, part.deepest);
+    }
+    return all;
+}
+
+void warn_of_hidden(Scene& scene, const FrameState& state) {
+    if (state.tlas.instances.size() == state.shapes.size()) return;
+    for (const Shape& shape : state.shapes) {
+        if (state.tlas.instance_of_node[index(shape.node)] != kNoInstance || shape.blas->tree.bounds().is_empty()) continue;
+        scene.warn("node " + std::to_string(index(shape.node)) + " '" + scene[shape.node].name +
+                   "': not shown in frames where its world matrix has no finite inverse (a scale of 0, say)");
+    }
+}
+
+// What rays need of an instance lies in its first two cache lines.
+void prefetch(const Instance& instance) {
+    __builtin_prefetch(&instance);
+    __builtin_prefetch(&instance.bounds_world.hi);
+}
+
+// Builds the tree, and makes what rays walk through of it.
+void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
+    tlas->bvh = build_clusters(scratch->bounds, config, std::move(tlas->bvh), &scratch->clusters);
+    collapse(tlas->bvh, {.block_size = 1, .max_leaf_blocks = 1}, &tlas->tree, &tlas->slots, &scratch->collapse);
+    tlas->placed.resize(tlas->slots.size());
+    parallel_for(0, tlas->slots.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            if (k + kAhead < end) prefetch(tlas->instances[tlas->slots[k + kAhead]]);
+            const Instance& instance = tlas->instances[tlas->slots[k]];
+            tlas->placed[k] = {.local_from_world = instance.local_from_world,
+                               .bounds_world = instance.bounds_world,
+                               .blas = instance.blas,
+                               .id = index(instance.node),
+                               .is_identity = instance.is_identity};
+        }
+    });
+    ++tlas->build_count;
 }
 
 }  // namespace
 
 void build_tlas(Scene& scene, FrameState* state) {
     Tlas& tlas = state->tlas;
-    tlas.instances.clear();
-    tlas.instance_of_node.assign(scene.nodes.size(), kNoInstance);
-    state->bounds.clear();
-    for (const Shape& shape : state->shapes) {
-        Instance instance;
-        if (!place(shape, scene, *state, &instance)) continue;
-        tlas.instance_of_node[index(shape.node)] = static_cast<uint32_t>(tlas.instances.size());
-        tlas.instances.push_back(instance);
-        state->bounds.push_back(instance.bounds_world);
+    // Most often the same nodes are shown as in the last frame.
+    TlasScratch::Part all{.is_shown_other = true};
+    if (tlas.build_count > 0) all = update_instances(scene, state);
+    const bool is_built = all.is_moved || all.is_shown_other;
+    if (all.is_shown_other) {
+        choose_shown(scene, state);
+        all = update_instances(scene, state);
     }
-    tlas.bvh = build_agglomerative(state->bounds, std::move(tlas.bvh));
-    make_traversed(&tlas);
+    warn_of_hidden(scene, *state);
+    if (is_built) build(scene.tlas_build, &tlas, &state->tlas_scratch);
+    // One more: what brings the ray back from an instance.
+    tlas.stack_size = tlas.tree.stack_size() + all.deepest + 1;
 }
 
 }  // namespace zoe

@@ -13,16 +13,17 @@ inline constexpr uint32_t kNoInstance = 0xffffffffu;
 
 /// A node's BLAS in the world, and this frame's vertices for whoever shades its hits.
 struct Instance {
-    Affine world_from_local;
     Affine local_from_world;
-    Aabb bounds_world;
+    Aabb bounds_world;  ///< Around bounds_local.
     const Blas* blas = nullptr;
+    NodeId node = kNone<NodeId>;
+    bool is_identity = false;  ///< Local space is world space.
+    Motion motion = Motion::kStatic;
+    Affine world_from_local;
+    Aabb bounds_local;                     ///< Around the whole BLAS.
     const Mesh* mesh = nullptr;            ///< Topology, texture coordinates, colours, materials.
     std::span<const glm::vec3> positions;  ///< [vertex_count] this frame's, local space.
     std::span<const glm::vec3> normals;    ///< [vertex_count] or empty; not normalised, may be zero.
-    NodeId node = kNone<NodeId>;
-    Motion motion = Motion::kStatic;
-    bool is_identity = false;  ///< Local space is world space.
 };
 
 /// One tree over all instances of a frame. Valid until the next `advance` or edit of its scene.
@@ -34,7 +35,7 @@ struct Tlas {
     std::vector<Instance> instances;         ///< In order of their nodes.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
     std::vector<uint32_t> slots;             ///< [instances] positions in `instances`, in order of `placed`.
-    CollapseScratch scratch;                 ///< Memory that one frame hands to the next.
+    uint64_t build_count = 0;                ///< Frames so far that built the tree; others kept it.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }

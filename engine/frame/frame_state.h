@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/bvh/blas.h"
+#include "engine/bvh/build_clusters.h"
 #include "engine/frame/build_tlas.h"
 #include "engine/frame/classify.h"
 
@@ -42,6 +43,21 @@ struct Shape {
     Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
 };
 
+/// Memory that one frame's top level hands to the next.
+struct TlasScratch {
+    /// Of shapes that are placed apart from the others.
+    struct Part {
+        bool is_shown_other;  ///< A shape that was shown can't be hit any more, or the other way round.
+        bool is_moved;        ///< What the tree is built of is other than in the last frame.
+        size_t deepest;       ///< Entries that a ray may have to keep in one of the BLASes.
+    };
+    std::vector<Part> parts;
+    std::vector<uint8_t> is_shown;  ///< [shapes]
+    std::vector<Aabb> bounds;       ///< [instances] in the world.
+    PlocScratch clusters;
+    CollapseScratch collapse;
+};
+
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
     std::vector<NodeId> parents_first;
@@ -57,7 +73,7 @@ struct FrameState {
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
     std::vector<Shape*> blas_work;                         ///< Scratch of update_blas: trees that change in this frame.
     size_t written_mesh_count = 0;                         ///< Meshes that the user had written when nodes were classified.
-    std::vector<Aabb> bounds;                              ///< Scratch of build_tlas.
+    TlasScratch tlas_scratch;
     Tlas tlas;
 };
 

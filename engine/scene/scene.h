@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/bvh/build_auto.h"
+#include "engine/bvh/build_clusters.h"
 #include "engine/deform/sample.h"
 #include "engine/math/affine.h"
 #include "engine/scene/error.h"
@@ -119,7 +120,8 @@ public:
     Playback playback;  ///< From files: the first clip, looping.
     /// Where trees of static and rigid nodes are kept from run to run; null, as it is unless set: nowhere.
     std::shared_ptr<TreeCache> tree_cache;
-    AutoConfig tree_build;  ///< How much building all those trees may cost, looked at when the first frame is made.
+    AutoConfig tree_build;     ///< How much building all those trees may cost, looked at when the first frame is made.
+    ClusterConfig tlas_build;  ///< How the top level is built in the frames from now on that need a new one.
 
     Node& operator[](NodeId id) { return nodes.at(index(id)); }
     const Node& operator[](NodeId id) const { return nodes.at(index(id)); }

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "engine/bvh/blas.h"
-#include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
+#include "engine/bvh/build_clusters.h"
 #include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
@@ -115,11 +115,12 @@ std::vector<Aabb> spread_boxes(int count) {
     return boxes;
 }
 
-void cluster(benchmark::State& state, int count) {
+void cluster(benchmark::State& state, int count, const ClusterConfig& config) {
     const std::vector<Aabb> boxes = spread_boxes(count);
+    PlocScratch scratch;
     Bvh bvh;
     for (auto _ : state) {
-        bvh = build_agglomerative(boxes, std::move(bvh));
+        bvh = build_clusters(boxes, config, std::move(bvh), &scratch);
         benchmark::DoNotOptimize(bvh.nodes.data());
     }
     count_per_second(state, "instances", boxes.size());
@@ -163,7 +164,9 @@ void register_builders() {
     }
     for (const int count : {1000, 10000, 100000}) {
         add("build_agglomerative/" + std::to_string(count),
-            [=](benchmark::State& state, const std::string&) { cluster(state, count); });
+            [=](benchmark::State& state, const std::string&) { cluster(state, count, {.exact_up_to = 0xffffffff}); });
+        add("build_ploc/" + std::to_string(count),
+            [=](benchmark::State& state, const std::string&) { cluster(state, count, {.exact_up_to = 0}); });
     }
 }
 

@@ -8,6 +8,7 @@
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_binned.h"
 #include "engine/bvh/build_median.h"
+#include "engine/bvh/build_ploc.h"
 #include "engine/bvh/build_sweep.h"
 #include "tests/math/random_inputs.h"
 
@@ -154,6 +155,15 @@ std::vector<TestMesh> nasty_meshes() {
     return meshes;
 }
 
+namespace {
+
+Bvh ploc(std::span<const Aabb> boxes, uint32_t search_radius) {
+    PlocScratch scratch;
+    return build_ploc(boxes, {.search_radius = search_radius}, {}, &scratch);
+}
+
+}  // namespace
+
 std::vector<NamedBuilder> all_builders() {
     using Boxes = std::span<const Aabb>;
     return {
@@ -167,6 +177,8 @@ std::vector<NamedBuilder> all_builders() {
         {"median", [](Boxes boxes) { return build_median(boxes); }},
         {"median, leaves of one", [](Boxes boxes) { return build_median(boxes, 1); }},
         {"agglomerative", [](Boxes boxes) { return build_agglomerative(boxes); }, true, true},
+        {"ploc", [](Boxes boxes) { return ploc(boxes, 16); }},
+        {"ploc, next neighbours", [](Boxes boxes) { return ploc(boxes, 1); }},
     };
 }
 

@@ -104,7 +104,7 @@ const std::vector<Owner>& owners() {
         {"OpenSubdiv", "opensubdiv/", {"engine/deform/subdivide"}},
         {"Embree", "embree3/", {"apps/bench/embree_", "apps/bench/peer_embree"}},
         {"TBB", "tbb/", {"engine/math/parallel.cpp"}},
-        {"Highway", "hwy/", {"engine/bvh/traverse"}},
+        {"Highway", "hwy/", {"engine/bvh/traverse", "engine/bvh/ploc_search"}},
         {"xxHash", "xxh", {"engine/bvh/hash.cpp"}},
         {"CLI11",
          "CLI/",

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "engine/bvh/bvh.h"
+#include "engine/bvh/morton_order.h"
+
+namespace zoe {
+
+struct PlocConfig {
+    uint32_t search_radius = 8;  ///< Clusters on either side that a cluster looks for its partner among, at least 1.
+};
+
+/// Memory that one build hands to the next.
+struct PlocScratch {
+    /// Clusters in Morton order, by component. Ids: boxes first, in Morton order, then unions in the order made. On both
+    /// sides stand infinite boxes that nobody chooses.
+    struct Clusters {
+        std::vector<float> planes[6];  ///< lo.x, hi.x, lo.y, hi.y, lo.z, hi.z.
+        std::vector<uint32_t> ids, leaf_counts;
+    };
+    struct Union {
+        Aabb left_bounds, right_bounds;
+        uint32_t left, right;
+        uint32_t left_leaf_count;
+    };
+    /// Where what is under a union stands in the tree.
+    struct Place {
+        uint32_t first_node, first_leaf;
+    };
+    /// Of a range of clusters that is worked on apart from the others.
+    struct Part {
+        uint32_t union_count;             ///< Unions whose first half is in the range.
+        uint32_t first_union, first_out;  ///< Where those go, and what is left of the range.
+        uint32_t out_count;
+    };
+    MortonScratch morton;
+    std::vector<uint32_t> order;            ///< [boxes] along the Morton curve.
+    Clusters clusters[2];                   ///< This round's and the next's.
+    std::vector<uint32_t> partners, mates;  ///< [clusters] whom each would merge with, and whom it does.
+    std::vector<Part> parts;
+    std::vector<Union> unions;         ///< [boxes - 1]
+    std::vector<Place> places;         ///< [boxes - 1]
+    std::vector<uint32_t> round_ends;  ///< Unions of round k are [round_ends[k - 1], round_ends[k]).
+};
+
+/// Builds bottom up, round by round: each cluster finds the one that it makes the least box with among its neighbours in
+/// Morton order, and those that chose each other merge. Ties go to neighbours by position, so that coincident boxes make a
+/// balanced tree. Where few chose each other, others merge with their choice, too: the depth is at most about
+/// 4 * search_radius * log(boxes), 2 * log2(boxes) in usual scenes. Leaves hold one primitive.
+/// boxes      [primitive_count] any: one that is empty or not finite counts as empty. Areas are floats: those beyond their
+///            range count as equal.
+/// storage    a tree whose memory is reused.
+/// Returns    a tree in depth-first order, the same whatever the number of threads.
+/// Cost       O(primitives * search_radius), in parallel; no allocation where `storage` and `scratch` are large enough.
+/// Source     Meister, Bittner. Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction. TVCG 2018.
+///            Deviation: looks farther as clusters become few, at last at all of them.
+Bvh build_ploc(std::span<const Aabb> boxes, const PlocConfig& config, Bvh storage, PlocScratch* scratch);
+
+}  // namespace zoe

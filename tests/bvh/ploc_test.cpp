@@ -1,0 +1,223 @@
+// Locally-ordered clustering in Morton order: what the other builders' tests do not ask of it.
+
+#include "engine/bvh/build_ploc.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "engine/bvh/build_agglomerative.h"
+#include "engine/bvh/build_binned.h"
+#include "engine/math/parallel.h"
+#include "tests/bvh/each_target.h"
+#include "tests/bvh/inputs.h"
+#include "tests/math/random_inputs.h"
+#include "tests/support/allocation_count.h"
+
+namespace zoe::test {
+namespace {
+
+using Boxes = std::vector<Aabb>;
+
+Bvh ploc(const Boxes& boxes, uint32_t search_radius = PlocConfig{}.search_radius) {
+    PlocScratch scratch;
+    return build_ploc(boxes, {.search_radius = search_radius}, {}, &scratch);
+}
+
+Aabb about(const glm::vec3& place, float size) {
+    return {place - size, place + size};
+}
+
+Boxes spread(int count, uint64_t seed, float size = 0.2f) {
+    Rng rng(seed);
+    Boxes boxes;
+    for (int k = 0; k < count; ++k) {
+        Aabb box;
+        const glm::vec3 place = random_point(rng, 10.0f);
+        box.extend(place + random_point(rng, size));
+        box.extend(place + random_point(rng, size));
+        boxes.push_back(box);
+    }
+    return boxes;
+}
+
+bool is_same_tree(const Bvh& a, const Bvh& b) {
+    return a.primitives == b.primitives && a.nodes.size() == b.nodes.size() &&
+           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+}
+
+double sum_of_areas(const Bvh& bvh) {
+    double sum = 0.0;
+    for (const BvhNode& node : bvh.nodes) sum += node.bounds().half_area();
+    return sum;
+}
+
+std::set<std::set<uint32_t>> clusters_of(const Bvh& bvh) {
+    std::vector<std::set<uint32_t>> leaves(bvh.nodes.size());
+    for (size_t k = bvh.nodes.size(); k-- > 0;) {
+        const BvhNode& node = bvh.nodes[k];
+        if (node.is_leaf()) {
+            leaves[k] = {bvh.primitives[node.first]};
+        } else {
+            leaves[k] = leaves[node.first];
+            leaves[k].insert(leaves[node.first + 1].begin(), leaves[node.first + 1].end());
+        }
+    }
+    return {leaves.begin(), leaves.end()};
+}
+
+TEST(Ploc, TakesNoBoxesAndFew) {
+    PlocScratch scratch;
+    EXPECT_TRUE(build_ploc({}, {}, ploc(spread(10, 1)), &scratch).nodes.empty());
+    for (int count = 1; count <= 40; ++count) {
+        const Boxes boxes = spread(count, 300 + uint64_t(count));
+        for (const uint32_t radius : {0u, 1u, 3u, 16u, 1000u, 0xffffffffu}) {
+            const Bvh bvh = ploc(boxes, radius);
+            ASSERT_EQ(validate(bvh, boxes), "") << count << " boxes, radius " << radius;
+            ASSERT_EQ(bvh.nodes.size(), 2 * boxes.size() - 1);
+        }
+    }
+}
+
+TEST(Ploc, LookingEverywhereIsExactOffTies) {
+    for (uint64_t seed = 310; seed < 330; ++seed) {
+        // So small that hardly any lie in each other, which makes ties.
+        const Boxes boxes = spread(int(5 + 17 * (seed - 310)), seed, 0.01f);
+        const Bvh everywhere = ploc(boxes, uint32_t(boxes.size()));
+        EXPECT_EQ(clusters_of(everywhere), clusters_of(build_agglomerative(boxes))) << "seed " << seed;
+    }
+}
+
+TEST(Ploc, KeepsToTheLogarithmWhereBoxesCoincide) {
+    const Boxes boxes(100'000, about({1, 2, 3}, 0.5f)), points(100'000, about({1, 2, 3}, 0.0f));
+    for (const Boxes* input : {&boxes, &points}) {
+        const Bvh bvh = ploc(*input);
+        EXPECT_EQ(validate(bvh, *input), "");
+        EXPECT_LE(depth(bvh), 19);
+    }
+}
+
+// Where each box is nearer to the one before it than to the next, only the first two choose each other.
+TEST(Ploc, IsNotDeepWhereGapsGrow) {
+    Boxes by_squares, by_factors, nested;
+    for (int k = 0; k < 100'000; ++k) by_squares.push_back(about({float(k) * float(k), 0, 0}, 0.1f));
+    for (int k = 0; k < 50'000; ++k) by_factors.push_back(about({std::exp(0.001f * float(k)), 0, 0}, 0.0f));
+    for (int k = 0; k < 20'000; ++k) nested.push_back(about(glm::vec3(0), 1.0f + 0.001f * float(k)));
+    for (const Boxes* boxes : {&by_squares, &by_factors, &nested}) {
+        const Bvh bvh = ploc(*boxes);
+        EXPECT_EQ(validate(bvh, *boxes), "");
+        EXPECT_LE(depth(bvh), boxes == &nested ? 750 : 60) << boxes->size() << " boxes";
+    }
+}
+
+TEST(Ploc, TakesBoxesThatAreNone) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    const float huge = std::numeric_limits<float>::max();
+    Rng rng(340);
+    for (const int bad : {1, 2, 100}) {  // One in so many is well-formed.
+        Boxes boxes;
+        for (int k = 0; k < 20'000; ++k) {
+            Aabb box = about(random_point(rng, 1.0f), 0.01f);
+            if (k % bad != 0 || bad == 1) {
+                switch (rng.below(bad == 1 ? 7 : 6)) {
+                    case 0:
+                        box = {};
+                        break;
+                    case 1:
+                        box = about(glm::vec3(0), inf);
+                        break;
+                    case 2:
+                        box.lo[int(rng.below(3))] = nan;
+                        break;
+                    case 3:
+                        box.hi[int(rng.below(3))] = inf;
+                        break;
+                    case 4:
+                        box = about(glm::vec3(0), huge);
+                        break;
+                    case 5:
+                        box = {glm::vec3(-huge, 0, 0), glm::vec3(huge, 0, 0)};  // Infinity times 0 in the area.
+                        break;
+                    default:
+                        break;
+                }
+            }
+            boxes.push_back(box);
+        }
+        const Bvh bvh = ploc(boxes);
+        EXPECT_EQ(validate(bvh, boxes), "");
+        EXPECT_LE(depth(bvh), 150);
+    }
+    const Boxes none(1000, Aabb{}), broken(1000, about(glm::vec3(nan), 1.0f));
+    for (const Boxes* boxes : {&none, &broken}) {
+        const Bvh bvh = ploc(*boxes);
+        EXPECT_EQ(validate(bvh, *boxes), "");
+        EXPECT_TRUE(bvh.bounds().is_empty());
+        EXPECT_LE(depth(bvh), 12);
+    }
+}
+
+TEST(Ploc, IsTheSameOnAnyNumberOfThreads) {
+    Boxes gaps;
+    for (int k = 0; k < 20'000; ++k) gaps.push_back(about({float(k) * float(k), 0, 0}, 0.1f));
+    for (const Boxes& boxes : {spread(70'000, 350), gaps}) {
+        set_thread_count(1);
+        const Bvh expected = ploc(boxes);
+        for (const int threads : {2, 5}) {
+            set_thread_count(threads);
+            EXPECT_TRUE(is_same_tree(ploc(boxes), expected)) << threads << " threads";
+        }
+    }
+    set_thread_count(0);
+}
+
+TEST(Ploc, IsTheSameOnEveryInstructionSet) {
+    const Boxes boxes = spread(3000, 355), coincident(500, about({1, 2, 3}, 0.5f));
+    const Bvh expected[] = {ploc(boxes), ploc(boxes, 100), ploc(coincident)};
+    on_each_target([&] {
+        EXPECT_TRUE(is_same_tree(ploc(boxes), expected[0]));
+        EXPECT_TRUE(is_same_tree(ploc(boxes, 100), expected[1]));
+        EXPECT_TRUE(is_same_tree(ploc(coincident), expected[2]));
+    });
+}
+
+TEST(Ploc, AllocatesNothingTheSecondTimeAndChangesNothing) {
+    set_thread_count(1);
+    const Boxes boxes = spread(20'000, 360), others = spread(20'000, 361);
+    const Bvh expected = ploc(boxes);
+    PlocScratch scratch;
+    Bvh bvh = build_ploc(others, {}, {}, &scratch);
+    const size_t before = allocation_count();
+    bvh = build_ploc(boxes, {}, std::move(bvh), &scratch);
+    EXPECT_EQ(allocation_count() - before, 0u);
+    EXPECT_TRUE(is_same_tree(bvh, expected));
+    set_thread_count(0);
+}
+
+// Top levels that others are bad at: no worse than a binned tree of single boxes. Among a few places far apart, what is
+// built bottom up is no better than that: up to 2 % more.
+TEST(Ploc, SumOfAreasIsAtMostThatOfBinned) {
+    Rng rng(370);
+    Boxes huge = spread(10'000, 371), places, gaps;
+    huge[5000] = about(glm::vec3(0), 100.0f);
+    for (int k = 0; k < 10'000; ++k) {
+        Rng cluster(372 + k % 16);
+        places.push_back(about(random_point(cluster, 1000.0f) + random_point(rng, 10.0f), rng.uniform(0.05f, 0.5f)));
+        const float x = float(k) * float(k) * 1e-4f;
+        gaps.push_back(about({x, rng.uniform(), rng.uniform()}, 0.1f));
+    }
+    const std::tuple<const char*, const Boxes*, double> scenes[] = {
+        {"one huge and many small", &huge, 1.0}, {"16 clusters", &places, 1.02}, {"growing gaps", &gaps, 1.0}};
+    for (const auto& [name, boxes, most] : scenes) {
+        const double binned = sum_of_areas(build_binned(*boxes, {.max_leaf_size = 1}));
+        EXPECT_LE(sum_of_areas(ploc(*boxes)), most * binned) << name;
+        EXPECT_LE(sum_of_areas(build_agglomerative(*boxes)), most * binned) << name;
+    }
+}
+
+}  // namespace
+}  // namespace zoe::test

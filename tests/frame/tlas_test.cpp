@@ -1,0 +1,147 @@
+// The top level: built exactly or fast, and kept while nothing that it holds has moved.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "content/content.h"
+#include "engine/frame/frame.h"
+#include "engine/frame/trace.h"
+#include "engine/math/parallel.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe {
+namespace {
+
+constexpr uint32_t kAlways = 0xffffffffu;
+
+// Between points in and around the scene.
+std::vector<Hit> random_hits(const Tlas& tlas, uint64_t seed) {
+    Rng rng(seed);
+    const Aabb bounds = tlas.bounds();
+    const auto point = [&] { return bounds.centre() + 0.7f * bounds.extent() * test::random_point(rng, 1.0f); };
+    std::vector<Ray> rays;
+    for (int k = 0; k < 3000; ++k) {
+        const glm::vec3 from = point();
+        rays.push_back({.origin = from, .direction = point() - from});
+    }
+    std::vector<Hit> hits(rays.size());
+    closest_hits(tlas, rays, hits);
+    return hits;
+}
+
+void expect_valid(const Tlas& tlas) {
+    std::vector<Aabb> boxes;
+    for (const Instance& instance : tlas.instances) boxes.push_back(instance.bounds_world);
+    EXPECT_EQ(validate(tlas.bvh, boxes), "");
+    EXPECT_EQ(validate(tlas.tree, tlas.placed.size()), "");
+    ASSERT_EQ(tlas.placed.size(), tlas.instances.size());
+    for (size_t k = 0; k < tlas.placed.size(); ++k) {
+        const Instance& instance = tlas.instances[tlas.slots[k]];
+        EXPECT_EQ(tlas.placed[k].local_from_world, instance.local_from_world);
+        EXPECT_EQ(tlas.placed[k].id, index(instance.node));
+        EXPECT_EQ(tlas.instance_of_node[index(instance.node)], tlas.slots[k]);
+    }
+}
+
+TEST(Tlas, FastAndExactFormsGiveTheSameHits) {
+    for (const char* name : {"instances-1500", "rigid-300", "default", "mixed-1"}) {
+        Content exact = make_content(name);
+        exact.scene.tlas_build.exact_up_to = kAlways;
+        for (const uint32_t radius : {1u, 8u, 100u}) {
+            SCOPED_TRACE(::testing::Message() << name << ", radius " << radius);
+            Content fast = make_content(name);
+            fast.scene.tlas_build = {.exact_up_to = 0, .search_radius = radius};
+            for (const double time_s : {0.0, 0.4, 1.3}) {
+                const Tlas& expected = advance(exact.scene, time_s);
+                const Tlas& actual = advance(fast.scene, time_s);
+                expect_valid(expected);
+                expect_valid(actual);
+                EXPECT_EQ(random_hits(actual, 400), random_hits(expected, 400)) << "seed 400, time " << time_s << " s";
+            }
+        }
+    }
+}
+
+TEST(Tlas, IsTheSameOnAnyNumberOfThreads) {
+    std::vector<std::vector<uint32_t>> slots;
+    for (const int threads : {1, 2, 5}) {
+        set_thread_count(threads);
+        Content content = make_content("instances-5000");
+        for (const double time_s : {0.0, 0.5}) advance(content.scene, time_s);
+        slots.push_back(advance(content.scene, 1.0).slots);
+    }
+    set_thread_count(0);
+    EXPECT_EQ(slots[1], slots[0]);
+    EXPECT_EQ(slots[2], slots[0]);
+}
+
+TEST(Tlas, IsKeptWhileNothingMoves) {
+    for (const uint32_t exact_up_to : {0u, kAlways}) {
+        Content moving = make_content("instances-500"), still = make_content("static");
+        moving.scene.tlas_build.exact_up_to = still.scene.tlas_build.exact_up_to = exact_up_to;
+        EXPECT_EQ(advance(moving.scene, 0.5).build_count, 1u);
+        const std::vector<Hit> hits = random_hits(advance(moving.scene, 0.5), 410);
+        EXPECT_EQ(advance(moving.scene, 0.5).build_count, 1u);
+        EXPECT_EQ(advance(moving.scene, 0.6).build_count, 2u);
+        EXPECT_NE(random_hits(advance(moving.scene, 0.6), 410), hits);
+        EXPECT_EQ(random_hits(advance(moving.scene, 0.5), 410), hits);
+        EXPECT_EQ(advance(moving.scene, 0.5).build_count, 3u);
+        for (int frame = 0; frame < 5; ++frame) EXPECT_EQ(advance(still.scene, 0.1 * frame).build_count, 1u);
+    }
+}
+
+// Two triangles that face each other along z, the second one at x = 2; clips may move both.
+Scene two_nodes() {
+    Scene scene;
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.corners = {{0, 1, 2}};
+    const MeshId id = scene.add(std::move(mesh));
+    Clip clip{.duration_s = 2.0};
+    clip.samplers = {{.interpolation = Interpolation::kStep, .width = 3, .times_s = {0, 1}, .values = {1, 1, 1, 0, 0, 0}}};
+    for (int k = 0; k < 2; ++k) {
+        Node node{.mesh = id};
+        node.local.translation.x = 2.0f * static_cast<float>(k);
+        scene.add(std::move(node));
+    }
+    clip.channels = {{NodeId{0}, ChannelPath::kScale, 0}};
+    scene.clips = {clip};
+    scene.playback.clips = {ClipId{0}};
+    return scene;
+}
+
+bool is_seen(const Tlas& tlas, float x) {
+    return bool(closest_hit(tlas, {.origin = {x, 0.25f, 5}, .direction = {0, 0, -1}}));
+}
+
+TEST(Tlas, FollowsWhatIsHiddenAndShownAgain) {
+    Scene scene = two_nodes();
+    const auto warning_count = [&] { return scene.warnings().empty() ? 0 : scene.warnings().begin()->second; };
+    for (int round = 0; round < 3; ++round) {
+        const Tlas& shown = advance(scene, 0.5);
+        EXPECT_EQ(shown.instances.size(), 2u);
+        EXPECT_TRUE(is_seen(shown, 0.25f) && is_seen(shown, 2.25f));
+        EXPECT_EQ(shown.build_count, 1u + 2u * unsigned(round));
+        for (int again = 0; again < 2; ++again) {
+            const Tlas& hidden = advance(scene, 1.5);
+            EXPECT_EQ(hidden.instances.size(), 1u);
+            EXPECT_TRUE(!is_seen(hidden, 0.25f) && is_seen(hidden, 2.25f));
+            EXPECT_EQ(hidden.build_count, 2u + 2u * unsigned(round)) << "the second frame is as the first";
+            expect_valid(hidden);
+            EXPECT_EQ(warning_count(), uint64_t(2 * round + again + 1)) << "one a frame";
+        }
+    }
+}
+
+TEST(Tlas, SeesANodeThatWasMovedByHand) {
+    Scene scene = two_nodes();
+    EXPECT_TRUE(is_seen(advance(scene, 0.5), 0.25f));
+    scene.nodes[0].local.translation.x = 10.0f;  // And no word to the engine.
+    const Tlas& tlas = advance(scene, 0.5);
+    EXPECT_TRUE(!is_seen(tlas, 0.25f) && is_seen(tlas, 10.25f));
+    EXPECT_EQ(tlas.build_count, 2u);
+}
+
+}  // namespace
+}  // namespace zoe
