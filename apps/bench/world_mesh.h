@@ -26,7 +26,7 @@ public:
     /// As a frame that shows nothing else, for `judge`: without trees. Valid as long as this is.
     Tlas as_frame() const {
         Tlas tlas;
-        tlas.instances.push_back({.mesh = &mesh_, .positions = mesh_.positions, .node = NodeId{0}, .is_identity = true});
+        tlas.instances.push_back({.node = NodeId{0}, .is_identity = true, .mesh = &mesh_, .positions = mesh_.positions});
         return tlas;
     }
 
