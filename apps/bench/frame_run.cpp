@@ -138,7 +138,7 @@ void FrameRun::try_peers(int frame, size_t turn, std::span<EmbreePeer* const> pe
     for (size_t i = 0; i < peers.size(); ++i) {
         const size_t k = (turn + i) % peers.size();
         const EmbreePeer::UpdateTimes times = peers[k]->update(content_.scene, *tlas_);
-        trials[k].update_ms += times.update_ms + times.build_tlas_ms;
+        trials[k].update_ms.push_back(times.update_ms + times.build_tlas_ms);
     }
     for (const RayKind kind : kRayKinds) {
         make_rays(kind);
@@ -147,7 +147,7 @@ void FrameRun::try_peers(int frame, size_t turn, std::span<EmbreePeer* const> pe
             const size_t k = turn % peers.size();
             const EmbreeRays form = forms[(turn / peers.size()) % forms.size()];
             peers[k]->set_rays(kind, form);
-            trials[k].trace_ms[static_cast<size_t>(kind)][static_cast<size_t>(form)] += trace_peer(kind, peers[k]);
+            trials[k].trace_ms[static_cast<size_t>(kind)][static_cast<size_t>(form)].push_back(trace_peer(kind, peers[k]));
         }
         Batch& batch = batches_[static_cast<size_t>(kind)];
         batch.hits = batch.peer_hits;  // for the next rays

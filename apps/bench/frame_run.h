@@ -32,8 +32,9 @@ public:
 
     /// What the peer alone takes for frames.
     struct PeerTrial {
-        double update_ms = 0.0;
-        std::array<std::array<double, kEmbreeRays.size()>, kRayKindCount> trace_ms{};  ///< [kind][how handed over]
+        std::vector<double> update_ms;  ///< [frames]
+        std::array<std::array<std::vector<double>, kEmbreeRays.size()>, kRayKindCount>
+            trace_ms;  ///< [kind][how handed over]
     };
     /// Plays a frame with each peer alone, in turn, so that a drifting machine hits all of them.
     /// turn       who comes first: counted up from trial to trial; 0 warms up, each kind of rays in one form only.

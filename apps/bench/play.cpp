@@ -17,8 +17,8 @@
 namespace zoe {
 namespace {
 
-/// Frames by which the peer's configurations are told apart, after one that warms up.
-constexpr int kTrialFrames = 3;
+/// Frames for each repeat by which the peer's configurations are told apart, after one that warms up.
+constexpr int kTrialFrames = 2;
 /// One that takes this many times the best one's time so far is given up, after so many frames.
 constexpr double kFarBehind = 1.2;
 constexpr int kFramesBeforeGivingUp = 2;
@@ -56,28 +56,34 @@ void take_least(const FrameRecord& again, FrameRecord* record) {
     if (again.peer) take_least(*again.peer, {&PeerStats::update_ms, &PeerStats::build_tlas_ms}, &*record->peer);
 }
 
+double median_of(const std::vector<double>& values) {
+    return percentile(values, 0.5);
+}
+
 /// A configuration of the peer on trial.
 struct Candidate {
     EmbreeConfig config;
     std::unique_ptr<EmbreePeer> peer;  ///< Null once it is too far behind.
-    FrameRun::PeerTrial trial;         ///< Of `frame_count` frames together.
-    int frame_count = 0;
+    FrameRun::PeerTrial trial;
 
     /// Hands each kind of rays over in the way that took least.
     void choose_rays() {
         for (const RayKind kind : kRayKinds) {
-            const std::span<const double> ms = trace_ms(kind);
-            const auto least = std::ranges::min_element(ms) - ms.begin();
+            const auto forms = trials_of(kind);
+            const auto least = std::ranges::min_element(forms, {}, median_of) - forms.begin();
             config.rays[static_cast<size_t>(kind)] = forms_of(kind)[static_cast<size_t>(least)];
         }
     }
     double frame_ms() const {
-        double sum_ms = trial.update_ms;
-        for (const RayKind kind : kRayKinds) sum_ms += std::ranges::min(trace_ms(kind));
-        return sum_ms / frame_count;
+        double sum_ms = median_of(trial.update_ms);
+        for (const RayKind kind : kRayKinds) {
+            const auto forms = trials_of(kind);
+            sum_ms += median_of(*std::ranges::min_element(forms, {}, median_of));
+        }
+        return sum_ms;
     }
-    /// [forms_of(kind)]
-    std::span<const double> trace_ms(RayKind kind) const {
+    /// [forms_of(kind)][frames]
+    std::span<const std::vector<double>> trials_of(RayKind kind) const {
         return std::span(trial.trace_ms[static_cast<size_t>(kind)]).first(forms_of(kind).size());
     }
 };
@@ -119,7 +125,7 @@ private:
             candidates.push_back(
                 {.config = config, .peer = std::make_unique<EmbreePeer>(config, thread_count()), .trial = {}});
         }
-        const int trial_count = std::min(kTrialFrames, scene_.frame_count);
+        const int trial_count = std::min(kTrialFrames * scene_.repeats, scene_.frame_count);
         step_count_ += trial_count + 1;
         for (int trial = 0; trial <= trial_count; ++trial) {
             report_step("trying Embree's configurations");
@@ -149,8 +155,7 @@ private:
         auto trial = trials.begin();
         for (Candidate& candidate : *candidates) {
             if (!candidate.peer) continue;
-            candidate.trial = *trial++;
-            ++candidate.frame_count;
+            candidate.trial = std::move(*trial++);
             least_ms = std::min(least_ms, candidate.frame_ms());
         }
         if (trial_number < kFramesBeforeGivingUp) return;
