@@ -21,6 +21,10 @@ struct Disagreement {
     Hit ours, peers;
 };
 
+/// Disagreements of a scene or a tree that are judged, as brute force takes a few ms each; and how many of them between two
+/// reports of progress.
+inline constexpr size_t kMaxJudged = 20'000, kJudgedAtOnce = 500;
+
 /// Who is right about a ray. kEither: both answers lie within what rounding to float may do, or hit surfaces that lie in
 /// each other.
 enum class Verdict : uint8_t { kOurs, kPeers, kEither, kNeither };

@@ -46,7 +46,9 @@ void add_options(CLI::App& app, Options& options, Texts& texts) {
         ->group(what);
     app.add_option("--frames", options.frames, "Frames measured, after one that warms up")->type_name("N")->group(what);
     app.add_option("--size", texts.size, "Primary rays")->type_name("WxH")->group(what);
-    app.add_option("--repeats", options.repeats, "Times that each scene is played")->type_name("R")->group(what);
+    app.add_option("--repeats", options.repeats, "Times that each scene is played (its own number: see --list)")
+        ->type_name("R")
+        ->group(what);
     app.add_option("--threads", options.threads, "Threads to use (all)")->type_name("N")->group(what);
 
     const char* const peer = "Beside a peer";

@@ -17,15 +17,11 @@
 namespace zoe {
 namespace {
 
-/// Frames for each repeat by which the peer's configurations are told apart, after one that warms up.
-constexpr int kTrialFrames = 2;
+/// Frames by which the peer's configurations are told apart, after one that warms up.
+constexpr int kTrialFrames = 5;
 /// One that takes this many times the best one's time so far is given up, after so many frames.
 constexpr double kFarBehind = 1.2;
-constexpr int kFramesBeforeGivingUp = 2;
-/// Rays of a scene that are judged: brute force takes a few ms each.
-constexpr size_t kMaxJudged = 20'000;
-/// That are judged between two reports of progress.
-constexpr size_t kJudgedAtOnce = 500;
+constexpr int kFramesBeforeGivingUp = 3;
 
 /// A ray of a frame, and what the peer found.
 using DisagreementKey = std::tuple<int, RayKind, size_t, NodeId, uint32_t, float>;
@@ -125,7 +121,7 @@ private:
             candidates.push_back(
                 {.config = config, .peer = std::make_unique<EmbreePeer>(config, thread_count()), .trial = {}});
         }
-        const int trial_count = std::min(kTrialFrames * scene_.repeats, scene_.frame_count);
+        const int trial_count = std::min(kTrialFrames, scene_.frame_count);
         step_count_ += trial_count + 1;
         for (int trial = 0; trial <= trial_count; ++trial) {
             report_step("trying Embree's configurations");

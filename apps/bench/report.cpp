@@ -77,8 +77,8 @@ std::string machine_text(const std::vector<std::pair<std::string, std::string>>&
 }
 
 std::string stages_heading(bool has_peer) {
-    return fmt::format("{:<17}{:>11}{:>9}{:>9}{:>12}{:>11}{:>10}{:>10}{:>10}{}  {}\n", "median ms", "triangles", "animate",
-                       "deform", "update_blas", "build_tlas", "trace", "frame", "p99",
+    return fmt::format("{:<17}{:>11}{:>9}{:>9}{:>12}{:>11}{:>10}{:>10}{:>10}{:>10}{}  {}\n", "median ms", "triangles",
+                       "animate", "deform", "update_blas", "build_tlas", "trace", "frame", "p99", "warm-up",
                        has_peer ? fmt::format("{:>9}", "vs peer") : "", "frame times");
 }
 
@@ -88,11 +88,11 @@ std::string stages_line(const RunStats& run) {
     std::vector<double> times;
     for (const FrameRecord& frame : run.frames) times.push_back(frame.stats.frame_ms());
     const std::string ratio = run.peer ? fmt::format("{:>9}", ratio_text(ratios_to_peer(run.frames).frame)) : "";
-    return fmt::format("{:<17}{:>11}{:>9}{:>9}{:>12}{:>11}{:>10}{:>10}{:>10}{}  {}\n", run.scene,
+    return fmt::format("{:<17}{:>11}{:>9}{:>9}{:>12}{:>11}{:>10}{:>10}{:>10}{:>10}{}  {}\n", run.scene,
                        count_text(run.triangle_count), of(&FrameStats::animate_ms), of(&FrameStats::deform_ms),
                        of(&FrameStats::update_blas_ms), of(&FrameStats::build_tlas_ms), of(&FrameStats::trace_ms),
-                       ms_text(median(run.frames, frame_ms)), ms_text(percentile(run.frames, 0.99, frame_ms)), ratio,
-                       sparkline(times, 20));
+                       ms_text(median(run.frames, frame_ms)), ms_text(percentile(run.frames, 0.99, frame_ms)),
+                       run.warm_up ? ms_text(run.warm_up->stats.frame_ms()) : "-", ratio, sparkline(times, 20));
 }
 
 std::string rays_table(const std::vector<RunStats>& runs) {

@@ -74,7 +74,7 @@ public:
                  for (size_t k = begin; k < end; ++k) closest_hits(scene(), rays.subspan(k, 1), &singles_[k], nullptr);
              }));
         for (size_t k = 0; k < rays.size(); ++k) {
-            if (singles_[k].t != raw_[k].t || singles_[k].primitive != raw_[k].primitive)
+            if (std::memcmp(&singles_[k], &raw_[k], sizeof(RawHit)) != 0)
                 throw std::runtime_error(fmt::format("{}: ray {} alone gives another hit than in a batch", row.name, k));
         }
     }

@@ -26,9 +26,12 @@ protected:
     void keep(RayKind kind, const char* way, size_t ray_count, double ms);
 };
 
-/// A tree by one of our builders, built `repeats` times where that is quick. Batches and single rays that give different
-/// hits are a std::runtime_error, when tracing. primary, diffuse   rays by which the tests a ray are counted. Cost       the
-/// builds, and the tree's end-point overlap.
+/// A tree by one of our builders, built `repeats` times where that is quick. Tracing throws std::runtime_error where batches
+/// and single rays give different hits.
+///
+/// primary, diffuse    rays by which the tests a ray are counted.
+///
+/// Cost       the builds, and the tree's end-point overlap.
 std::unique_ptr<TracedTree> make_our_tree(const char* name, BlasBuilder builder, const WorldMesh& mesh, int repeats,
                                           std::span<const Ray> primary, std::span<const Ray> diffuse);
 

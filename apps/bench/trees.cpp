@@ -16,9 +16,6 @@
 namespace zoe {
 namespace {
 
-/// Rays of a tree that are judged: brute force takes a few ms each.
-constexpr size_t kMaxJudged = 20'000;
-
 struct Builder {
     const char* name;
     BlasBuilder builder;
@@ -64,11 +61,19 @@ void compare(const std::array<std::vector<Ray>, kRayKindCount>& rays, const Hits
     if (found.size() > most->size()) *most = std::move(found);
 }
 
-void judge_row(const WorldMesh& mesh, std::span<const Disagreement> disagreements, TreeRow* row) {
+/// report_within    called with how many are judged.
+template <typename ReportWithin>
+void judge_row(const WorldMesh& mesh, std::span<const Disagreement> disagreements, TreeRow* row,
+               ReportWithin&& report_within) {
     const std::span<const Disagreement> judged = disagreements.first(std::min(disagreements.size(), kMaxJudged));
     row->disagreements = disagreements.size();
     row->not_judged = disagreements.size() - judged.size();
-    for (const Verdict verdict : judge(mesh.as_frame(), judged)) ++row->verdicts[static_cast<size_t>(verdict)];
+    const Tlas frame = mesh.as_frame();
+    for (size_t begin = 0; begin < judged.size(); begin += kJudgedAtOnce) {
+        report_within(begin);
+        const auto some = judged.subspan(begin, std::min(kJudgedAtOnce, judged.size() - begin));
+        for (const Verdict verdict : judge(frame, some)) ++row->verdicts[static_cast<size_t>(verdict)];
+    }
 }
 
 }  // namespace
@@ -93,16 +98,22 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
     frame_run.run(0, nullptr, false);
     write_instruction_count("the rays are made");
     const WorldMesh mesh(frame_run.tlas());
+    if (frame_run.tlas().bounds().is_empty())
+        throw std::runtime_error(fmt::format("{}: its first frame shows no triangles to build a tree over", scene.name));
     const auto rays = rays_of(frame_run);
 
     TreeComparison comparison{.scene = scene.name, .triangle_count = mesh.corners().size(), .rows = {}};
     for (size_t kind = 0; kind < kRayKindCount; ++kind) comparison.ray_count[kind] = rays[kind].size();
     const size_t tree_count = kBuilders.size() + (config.has_peer ? kPeerQualities.size() : 0);
-    const double step_count = static_cast<double>(tree_count) * (2.0 + scene.repeats);
+    const double step_count = static_cast<double>(tree_count) * (1.0 + scene.repeats);
     double steps_done = 0.0;
-    const auto report_step = [&](const std::string& detail) {
+    const auto report_within_step = [&](const std::string& detail) {
         if (is_interrupted()) throw Interrupted("interrupted");
-        report(steps_done++ / step_count, detail);
+        report(steps_done / step_count, detail);
+    };
+    const auto report_step = [&](const std::string& detail) {
+        report_within_step(detail);
+        ++steps_done;
     };
 
     std::vector<std::unique_ptr<TracedTree>> trees;
@@ -140,8 +151,9 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
         }
     }
     for (size_t place = 0; place < trees.size(); ++place) {
-        report_step(fmt::format("judging {} rays that disagree", disagreements[place].size()));
-        judge_row(mesh, disagreements[place], &trees[place]->row);
+        judge_row(mesh, disagreements[place], &trees[place]->row, [&](size_t judged) {
+            report_within_step(fmt::format("judging {} of {} rays that disagree", judged, disagreements[place].size()));
+        });
         comparison.rows.push_back(trees[place]->row);
     }
     return comparison;

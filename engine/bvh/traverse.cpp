@@ -19,6 +19,8 @@
 #include <hwy/foreach_target.h>  // Compiles what follows once an instruction set.
 #include <hwy/highway.h>
 
+#include "engine/bvh/wide_space.inl"
+// Which all of these read.
 #include "engine/bvh/wide_kernel.inl"
 #include "engine/bvh/wide_packet.inl"
 #include "engine/bvh/wide_packet_triangle.inl"

@@ -106,6 +106,7 @@ const std::vector<Owner>& owners() {
         {"TBB", "tbb/", {"engine/math/parallel.cpp"}},
         {"Highway", "hwy/", {"engine/bvh/traverse", "engine/bvh/ploc_search"}},
         {"xxHash", "xxh", {"engine/bvh/hash.cpp"}},
+        {"Valgrind", "valgrind/", {"apps/bench/timed_parallel.cpp"}},
         {"CLI11",
          "CLI/",
          {"apps/demo/options.cpp", "apps/bench/options.cpp", "apps/common/parse_command_line.cpp", "apps/chart/"}},

@@ -36,7 +36,7 @@ Mesh leaning_ball(int slices) {
 void expect_closed(const Mesh& mesh, const glm::vec3& centre, float size, uint64_t seed) {
     const Blas blas = blas_of_pieces(mesh);
     EXPECT_TRUE(blas.has_pieces);
-    const auto from_within = [&](Rng& rng) { return centre + random_point(rng, 0.2f * size); };
+    const auto from_within = [&](Rng& rng) { return centre + random_point(rng, 0.1f * size); };
     const auto from_outside = [&](Rng& rng) { return centre + random_direction(rng) * (size * rng.uniform(8.0f, 20.0f)); };
     expect_no_leaks(blas, mesh.positions, mesh.corners, from_within, seed, leak_ray_count() / 8);
     expect_no_leaks(blas, mesh.positions, mesh.corners, from_outside, seed + 1, leak_ray_count() / 8);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -30,10 +31,12 @@ void* counted(void* whole, size_t header, size_t size) {
 }
 
 void* allocate(size_t size) {
+    if (size > PTRDIFF_MAX) return nullptr;  // as malloc does
     return counted(std::malloc(kHeader + size), kHeader, size);
 }
 
 void* allocate_aligned(size_t size, std::align_val_t alignment) {
+    if (size > PTRDIFF_MAX) return nullptr;
     const size_t step = std::max(static_cast<size_t>(alignment), kHeader);
     return counted(std::aligned_alloc(step, step + (size + step - 1) / step * step), step, size);
 }
@@ -70,6 +73,9 @@ void operator delete(void* memory, size_t) noexcept {
 }
 void operator delete(void* memory, std::align_val_t alignment) noexcept {
     release(memory, std::max(static_cast<size_t>(alignment), kHeader));
+}
+void operator delete(void* memory, size_t, std::align_val_t alignment) noexcept {
+    operator delete(memory, alignment);
 }
 
 namespace zoe::test {
