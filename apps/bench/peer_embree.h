@@ -15,8 +15,8 @@ namespace zoe {
 /// How rays are handed to Embree: one by one, or sixteen at a time, with its advice that they are coherent or without.
 enum class EmbreeRays : uint8_t { kSingle, kPackets, kCoherentPackets };
 inline constexpr std::array kEmbreeRays = {EmbreeRays::kSingle, EmbreeRays::kPackets, EmbreeRays::kCoherentPackets};
-/// Those to choose from: diffuse rays go apart, and from any-hit packets with that advice version 3.13.5 does not always come
-/// back.
+/// Those to choose from: diffuse rays go apart, and from any-hit packets with that advice version 3.13.5 does not always
+/// come back.
 inline std::span<const EmbreeRays> forms_of(RayKind kind) {
     return std::span(kEmbreeRays).first(kind == RayKind::kPrimary ? 3 : 2);
 }
