@@ -17,6 +17,7 @@ struct ClusterConfig {
 /// boxes      [primitive_count] finite and not empty.
 /// storage    a tree whose memory is reused.
 /// Cost       see those two.
+/// Source     Walter, Bala, Kulkarni, Pingali 2008, and Meister, Bittner 2018: see those two.
 Bvh build_clusters(std::span<const Aabb> boxes, const ClusterConfig& config, Bvh storage, PlocScratch* scratch);
 
 }  // namespace zoe
