@@ -5,9 +5,7 @@
 
 namespace zoe {
 
-/// From exact to fast: how a tree is clustered that is built anew every frame. Rays visit as many nodes of either form's
-/// trees, give or take 2 %, and fewer of the fast one's among 10,000 boxes and more; it takes a tenth of the time. With half
-/// the radius, they may visit 6 % more.
+/// From exact to fast: how a tree is clustered that is built anew every frame.
 struct ClusterConfig {
     uint32_t exact_up_to = 64;   ///< Boxes that are clustered exactly: 0 for never, 0xffffffff for always.
     uint32_t search_radius = 8;  ///< How far the fast form looks: more takes longer and comes nearer to the exact one.

@@ -136,7 +136,7 @@ void warn_of_hidden(Scene& scene, const FrameState& state) {
     }
 }
 
-// What rays need of an instance lies in its first two cache lines.
+// What rays need of an instance comes first in it.
 void prefetch(const Instance& instance) {
     __builtin_prefetch(&instance);
     __builtin_prefetch(&instance.bounds_world.hi);
