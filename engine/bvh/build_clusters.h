@@ -2,14 +2,9 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_ploc.h"
+#include "engine/bvh/cluster_config.h"
 
 namespace zoe {
-
-/// From exact to fast: how a tree is clustered that is built anew every frame.
-struct ClusterConfig {
-    uint32_t exact_up_to = 64;   ///< Boxes that are clustered exactly: 0 for never, 0xffffffff for always.
-    uint32_t search_radius = 8;  ///< How far the fast form looks: more takes longer and comes nearer to the exact one.
-};
 
 /// Builds bottom up: by `build_agglomerative` where boxes are few, else by `build_ploc`. Leaves hold one primitive.
 /// boxes      [primitive_count] finite and not empty.

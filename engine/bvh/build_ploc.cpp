@@ -47,7 +47,7 @@ private:
 
     Aabb box(uint32_t leaf) const {
         const Aabb& box = boxes_[scratch_.order[leaf]];
-        return box.is_finite() && !box.is_empty() ? box : Aabb{};
+        return box.is_proper() ? box : Aabb{};
     }
     size_t part_count() const { return (cluster_count_ + kGrain - 1) / kGrain; }
 
@@ -81,6 +81,7 @@ private:
         scratch_.unions.resize(box_count_ - 1);
         scratch_.places.resize(box_count_ - 1);
         scratch_.round_ends.clear();
+        scratch_.round_ends.reserve(256);  // Degenerate inputs aside.
         morton_order(boxes_, &scratch_.order, &scratch_.morton);
         parallel_for(0, box_count_, kGrain, [&](size_t begin, size_t end) {
             for (size_t k = begin; k < end; ++k) {
@@ -189,7 +190,7 @@ private:
             const uint32_t begin = round == 0 ? 0 : scratch_.round_ends[round - 1];
             parallel_for(begin, scratch_.round_ends[round], kUnionGrain, [&](size_t from, size_t to) {
                 for (size_t k = from; k < to; ++k) {
-                    if (k + kAhead < to) __builtin_prefetch(&bvh->nodes[scratch_.places[k + kAhead].first_node - 1], 1);
+                    if (k + kAhead < to) prefetch_children(scratch_.places[k + kAhead], *bvh);
                     const Union& at = scratch_.unions[k];
                     const Place left = {scratch_.places[k].first_node + 2, scratch_.places[k].first_leaf};
                     const Place right = {left.first_node + 2 * (at.left_leaf_count - 1),
@@ -199,6 +200,12 @@ private:
                 }
             });
         }
+    }
+
+    // They may lie in two cache lines.
+    static void prefetch_children(const Place& below, const Bvh& bvh) {
+        __builtin_prefetch(&bvh.nodes[below.first_node], 1);
+        __builtin_prefetch(&bvh.nodes[below.first_node + 1], 1);
     }
 
     void place(uint32_t id, const Aabb& bounds, uint32_t node, const Place& below, Bvh* bvh) {

@@ -44,8 +44,11 @@ struct PlocScratch {
 
 /// Builds bottom up, round by round: each cluster finds the one that it makes the least box with among its neighbours in
 /// Morton order, and those that chose each other merge. Ties go to neighbours by position, so that coincident boxes make a
-/// balanced tree. Where few chose each other, others merge with their choice, too: the depth is at most about
-/// 4 * search_radius * log(boxes), 2 * log2(boxes) in usual scenes. Leaves hold one primitive.
+/// balanced tree. As clusters become few they look farther, max(search_radius, 4096 / clusters) places. Where few chose
+/// each other, others merge with their choice, too: at least about one in max(12, 4 * radius + 2) clusters goes in a round.
+/// So the depth is at most about max(12, 4 * search_radius + 2) * log(boxes) + 320 for radii up to 100; it is less than
+/// 2 * log2(boxes) in usual scenes. Leaves hold one primitive.
+///
 /// boxes      [primitive_count] any: one that is empty or not finite counts as empty. Areas are floats: those beyond their
 ///            range count as equal.
 /// storage    a tree whose memory is reused.

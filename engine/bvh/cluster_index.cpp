@@ -86,7 +86,7 @@ void ClusterIndex::start(std::span<const Aabb> boxes) {
     cluster_count_ = static_cast<uint32_t>(boxes.size());
     sorted_.clear();
     for (uint32_t k = 0; k < cluster_count_; ++k) {
-        assert(boxes[k].is_finite() && !boxes[k].is_empty());
+        assert(boxes[k].is_proper());
         sorted_.push_back({boxes[k], k});
     }
     slot_of_id_.reserve(2 * boxes.size());

@@ -1,9 +1,11 @@
 #include "engine/frame/build_tlas.h"
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 #include <utility>
 
+#include "engine/frame/frame.h"
 #include "engine/frame/frame_state.h"
 #include "engine/math/parallel.h"
 
@@ -46,6 +48,13 @@ bool place(Instance* instance) {
     return invert(instance->world_from_local, &instance->local_from_world) && instance->bounds_world.is_finite();
 }
 
+bool can_be_hit(const Shape& shape, const FrameState& state, const Aabb& bounds_local) {
+    Instance instance;
+    instance.world_from_local = world_from_local(shape, state);
+    instance.bounds_local = bounds_local;
+    return place(&instance);
+}
+
 // Finds out which shapes can be hit in this frame, and makes room for their instances, in order.
 void choose_shown(const Scene& scene, FrameState* state) {
     std::vector<uint8_t>& is_shown = state->tlas_scratch.is_shown;
@@ -55,10 +64,7 @@ void choose_shown(const Scene& scene, FrameState* state) {
         for (size_t k = begin; k < end; ++k) {
             const Shape& shape = state->shapes[k];
             summary.look_at(shape.blas);
-            Instance instance;
-            instance.world_from_local = world_from_local(shape, *state);
-            instance.bounds_local = summary.bounds();
-            is_shown[k] = place(&instance);
+            is_shown[k] = can_be_hit(shape, *state, summary.bounds());
         }
     });
     Tlas& tlas = state->tlas;
@@ -71,19 +77,25 @@ void choose_shown(const Scene& scene, FrameState* state) {
     state->tlas_scratch.bounds.resize(count);
 }
 
+// To the last bit: what is worked out of 0 and -0 may differ.
+template <typename Floats>
+bool is_same(const Floats& a, const Floats& b) {
+    static_assert(sizeof(Affine) == 12 * sizeof(float) && sizeof(Aabb) == 6 * sizeof(float), "no gaps between numbers");
+    return std::memcmp(&a, &b, sizeof(Floats)) == 0;
+}
+
 // Brings an instance up to date. Its place is worked out anew only where what it follows from is other than it was.
 // Returns    false where it cannot be hit.
 bool update(const Scene& scene, const Shape& shape, const FrameState& state, const Aabb& bounds_local, Instance* instance,
             TlasScratch::Part* part) {
     const Affine& matrix = world_from_local(shape, state);
-    const bool is_same = instance->blas == shape.blas && instance->node == shape.node &&
-                         instance->world_from_local == matrix && instance->bounds_local.lo == bounds_local.lo &&
-                         instance->bounds_local.hi == bounds_local.hi;
+    const bool is_kept = instance->blas == shape.blas && instance->node == shape.node &&
+                         is_same(instance->world_from_local, matrix) && is_same(instance->bounds_local, bounds_local);
     instance->mesh = &scene[shape.mesh];
     instance->positions = shape.positions;
     instance->normals = shape.normals;
     instance->motion = shape.motion.motion;
-    if (is_same) return true;
+    if (is_kept) return true;
     part->is_moved = true;
     instance->world_from_local = matrix;
     instance->bounds_local = bounds_local;
@@ -105,10 +117,7 @@ TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
             summary.look_at(shape.blas);
             const uint32_t at = tlas.instance_of_node[index(shape.node)];
             if (at == kNoInstance) {
-                Instance instance;
-                instance.world_from_local = world_from_local(shape, *state);
-                instance.bounds_local = summary.bounds();
-                if (place(&instance)) part.is_shown_other = true;
+                if (can_be_hit(shape, *state, summary.bounds())) part.is_shown_other = true;
                 continue;
             }
             Instance& instance = tlas.instances[at];
@@ -136,10 +145,11 @@ void warn_of_hidden(Scene& scene, const FrameState& state) {
     }
 }
 
-// What rays need of an instance comes first in it.
+// What rays need of an instance.
 void prefetch(const Instance& instance) {
-    __builtin_prefetch(&instance);
-    __builtin_prefetch(&instance.bounds_world.hi);
+    __builtin_prefetch(&instance.local_from_world);
+    __builtin_prefetch(&instance.bounds_world);
+    __builtin_prefetch(&instance.is_identity);
 }
 
 // Builds the tree, and makes what rays walk through of it.
@@ -158,25 +168,28 @@ void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
                                .is_identity = instance.is_identity};
         }
     });
-    ++tlas->build_count;
 }
 
 }  // namespace
 
-void build_tlas(Scene& scene, FrameState* state) {
+void build_tlas(Scene& scene, FrameState* state, FrameStats* stats) {
     Tlas& tlas = state->tlas;
+    TlasScratch& scratch = state->tlas_scratch;
+    const bool was_valid = std::exchange(scratch.is_valid, false);
     // Most often the same nodes are shown as in the last frame.
     TlasScratch::Part all{.is_shown_other = true};
-    if (tlas.build_count > 0) all = update_instances(scene, state);
+    if (was_valid) all = update_instances(scene, state);
     const bool is_built = all.is_moved || all.is_shown_other;
     if (all.is_shown_other) {
         choose_shown(scene, state);
         all = update_instances(scene, state);
     }
     warn_of_hidden(scene, *state);
-    if (is_built) build(scene.tlas_build, &tlas, &state->tlas_scratch);
+    if (is_built) build(scene.tlas_build, &tlas, &scratch);
+    stats->tlas_builds += is_built;
     // One more: what brings the ray back from an instance.
     tlas.stack_size = tlas.tree.stack_size() + all.deepest + 1;
+    scratch.is_valid = true;
 }
 
 }  // namespace zoe

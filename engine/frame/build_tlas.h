@@ -35,7 +35,6 @@ struct Tlas {
     std::vector<Instance> instances;         ///< In order of their nodes.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
     std::vector<uint32_t> slots;             ///< [instances] positions in `instances`, in order of `placed`.
-    uint64_t build_count = 0;                ///< Frames so far that built the tree; others kept it.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }

@@ -54,7 +54,7 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     timed(&s.animate_ms, [&] { animate(scene, time_s, &state); });
     timed(&s.deform_ms, [&] { deform(scene, &state); });
     timed(&s.update_blas_ms, [&] { update_blas(scene, &state, &s); });
-    timed(&s.build_tlas_ms, [&] { build_tlas(scene, &state); });
+    timed(&s.build_tlas_ms, [&] { build_tlas(scene, &state, &s); });
     return state.tlas;
 }
 

@@ -7,12 +7,13 @@
 
 namespace zoe {
 
-/// What one frame did. Times in ms. `advance` adds to the first four times and the counts of nodes; `trace` belongs to
+/// What one frame did. Times in ms. `advance` adds to the first four times and the counts of trees; `trace` belongs to
 /// whoever traces.
 struct FrameStats {
     double animate_ms = 0, deform_ms = 0, update_blas_ms = 0, build_tlas_ms = 0, trace_ms = 0;
     uint32_t kept = 0, refitted = 0, rebuilt = 0;  ///< Nodes, by what was done to their BLAS.
     uint32_t loaded = 0, stored = 0;               ///< Trees of rebuilt nodes, read from the scene's cache or added to it.
+    uint32_t tlas_builds = 0;                      ///< Frames that built the top level; others kept it.
     uint64_t rays = 0, hits = 0, hits_hash = 0;
 
     struct Kind {
@@ -26,10 +27,11 @@ struct FrameStats {
 
 /// Makes the frame at a time: animate, deform, update_blas, build_tlas. The result depends on the scene and the time only,
 /// never on the frames before.
+///
 /// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
 /// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
-/// for warnings). Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not
-/// finite.
+///            for warnings).
+/// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 
 /// World matrix of a node at the last `advance`: cameras and lights.

@@ -51,6 +51,7 @@ struct TlasScratch {
         bool is_moved;        ///< What the tree is built of is other than in the last frame.
         size_t deepest;       ///< Entries that a ray may have to keep in one of the BLASes.
     };
+    bool is_valid = false;  ///< The top level is whole: the last frame did not throw while it worked on it.
     std::vector<Part> parts;
     std::vector<uint8_t> is_shown;  ///< [shapes]
     std::vector<Aabb> bounds;       ///< [instances] in the world.
@@ -87,6 +88,6 @@ void animate(const Scene& scene, double time_s, FrameState* state);
 void deform(const Scene& scene, FrameState* state);
 struct FrameStats;
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
-void build_tlas(Scene& scene, FrameState* state);
+void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
 
 }  // namespace zoe

@@ -27,6 +27,8 @@ struct Aabb {
     }
     bool is_empty() const { return !(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z); }
     bool is_finite() const { return zoe::is_finite(lo) && zoe::is_finite(hi); }
+    /// Neither empty nor without end.
+    bool is_proper() const { return is_finite() && !is_empty(); }
     bool contains(const glm::vec3& p) const {
         return lo.x <= p.x && p.x <= hi.x && lo.y <= p.y && p.y <= hi.y && lo.z <= p.z && p.z <= hi.z;
     }

@@ -67,7 +67,7 @@ View view_from_camera(const Scene& scene, NodeId node, float aspect) {
 
 View frame_whole(const Aabb& bounds, float aspect) {
     const glm::vec3 toward_viewer = glm::normalize(glm::vec3(0.25f, 0.3f, 1.0f));
-    const bool is_usable = !bounds.is_empty() && bounds.is_finite();
+    const bool is_usable = bounds.is_proper();
     const glm::vec3 centre = is_usable ? bounds.centre() : glm::vec3(0.0f);
     View view = look_at(centre + toward_viewer, centre, kFrameFovDegrees, aspect);
     if (!is_usable) return view;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/bvh/build_auto.h"
-#include "engine/bvh/build_clusters.h"
+#include "engine/bvh/cluster_config.h"
 #include "engine/deform/sample.h"
 #include "engine/math/affine.h"
 #include "engine/scene/error.h"

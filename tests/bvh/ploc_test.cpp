@@ -2,6 +2,7 @@
 
 #include "engine/bvh/build_ploc.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -50,9 +51,10 @@ bool is_same_tree(const Bvh& a, const Bvh& b) {
            std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
 }
 
+// Of inner nodes below the root: the others' are the same whatever the tree.
 double sum_of_areas(const Bvh& bvh) {
     double sum = 0.0;
-    for (const BvhNode& node : bvh.nodes) sum += node.bounds().half_area();
+    for (size_t k = 1; k < bvh.nodes.size(); ++k) sum += bvh.nodes[k].is_leaf() ? 0.0 : bvh.nodes[k].bounds().half_area();
     return sum;
 }
 
@@ -101,16 +103,33 @@ TEST(Ploc, KeepsToTheLogarithmWhereBoxesCoincide) {
     }
 }
 
+TEST(Ploc, IsAboutTwiceTheLogarithmDeepInUsualScenes) {
+    for (const int count : {300, 3000, 30'000, 300'000}) {
+        for (const uint32_t radius : {1u, 8u}) {
+            const Bvh bvh = ploc(spread(count, 335), radius);
+            EXPECT_LE(depth(bvh), 2.0 * std::log2(count)) << count << " boxes, radius " << radius << ", seed 335";
+        }
+    }
+}
+
+// Far below what the docstring has: no input is known that comes near that.
+constexpr int kDeepest = 60;
+
 // Where each box is nearer to the one before it than to the next, only the first two choose each other.
 TEST(Ploc, IsNotDeepWhereGapsGrow) {
-    Boxes by_squares, by_factors, nested;
+    Rng rng(345);
+    Boxes by_squares, by_factors, nested, shuffled;
     for (int k = 0; k < 100'000; ++k) by_squares.push_back(about({float(k) * float(k), 0, 0}, 0.1f));
-    for (int k = 0; k < 50'000; ++k) by_factors.push_back(about({std::exp(0.001f * float(k)), 0, 0}, 0.0f));
+    for (int k = 0; k < 20'000; ++k) by_factors.push_back(about({std::exp(0.002f * float(k)), 0, 0}, 0.1f));
     for (int k = 0; k < 20'000; ++k) nested.push_back(about(glm::vec3(0), 1.0f + 0.001f * float(k)));
-    for (const Boxes* boxes : {&by_squares, &by_factors, &nested}) {
-        const Bvh bvh = ploc(*boxes);
-        EXPECT_EQ(validate(bvh, *boxes), "");
-        EXPECT_LE(depth(bvh), boxes == &nested ? 750 : 60) << boxes->size() << " boxes";
+    shuffled = nested;
+    for (size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[rng.below(uint32_t(k))]);
+    for (const Boxes* boxes : {&by_squares, &by_factors, &nested, &shuffled}) {
+        for (const uint32_t radius : {1u, 8u}) {
+            const Bvh bvh = ploc(*boxes, radius);
+            EXPECT_EQ(validate(bvh, *boxes), "");
+            EXPECT_LE(depth(bvh), kDeepest) << boxes->size() << " boxes, radius " << radius << ", seed 345";
+        }
     }
 }
 
@@ -118,12 +137,12 @@ TEST(Ploc, TakesBoxesThatAreNone) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
     const float huge = std::numeric_limits<float>::max();
     Rng rng(340);
-    for (const int bad : {1, 2, 100}) {  // One in so many is well-formed.
+    for (const int one_in : {1, 2, 100}) {  // One in so many is well-formed; 1: one in seven.
         Boxes boxes;
         for (int k = 0; k < 20'000; ++k) {
             Aabb box = about(random_point(rng, 1.0f), 0.01f);
-            if (k % bad != 0 || bad == 1) {
-                switch (rng.below(bad == 1 ? 7 : 6)) {
+            if (k % one_in != 0 || one_in == 1) {
+                switch (rng.below(one_in == 1 ? 7 : 6)) {
                     case 0:
                         box = {};
                         break;
@@ -148,9 +167,11 @@ TEST(Ploc, TakesBoxesThatAreNone) {
             }
             boxes.push_back(box);
         }
-        const Bvh bvh = ploc(boxes);
-        EXPECT_EQ(validate(bvh, boxes), "");
-        EXPECT_LE(depth(bvh), 150);
+        for (const uint32_t radius : {1u, 8u}) {
+            const Bvh bvh = ploc(boxes, radius);
+            EXPECT_EQ(validate(bvh, boxes), "");
+            EXPECT_LE(depth(bvh), kDeepest) << "one in " << one_in << ", radius " << radius;
+        }
     }
     const Boxes none(1000, Aabb{}), broken(1000, about(glm::vec3(nan), 1.0f));
     for (const Boxes* boxes : {&none, &broken}) {
@@ -198,8 +219,32 @@ TEST(Ploc, AllocatesNothingTheSecondTimeAndChangesNothing) {
     set_thread_count(0);
 }
 
-// Top levels that others are bad at: no worse than a binned tree of single boxes. Among a few places far apart, what is
-// built bottom up is no better than that: up to 2 % more.
+// All others may fall into one cell of a grid that spans it, too.
+TEST(Ploc, OneBoxFarAwayDoesNotSpoilTheOthers) {
+    for (const float size : {0.2f, 20.0f}) {
+        const Boxes boxes = spread(10'000, 365, 0.01f * size);
+        const Bvh alone = ploc(boxes);
+        const double expected = alone.bounds().half_area() + sum_of_areas(alone);
+        for (const float distance : {1e3f, 1e6f, 1e9f, 1e18f, -1e9f, -1e18f}) {
+            for (const size_t at : {size_t{0}, boxes.size() / 3, boxes.size()}) {
+                Boxes more = boxes;
+                const Aabb far = about(glm::vec3(0.3f, 1.0f, 0.1f) * distance, 0.1f);
+                more.insert(more.begin() + ptrdiff_t(at), far);
+                const Bvh bvh = ploc(more);
+                EXPECT_EQ(validate(bvh, more), "");
+                double sum = 0.0;
+                for (const BvhNode& node : bvh.nodes) {
+                    if (!node.is_leaf() && !node.bounds().contains(far)) sum += node.bounds().half_area();
+                }
+                EXPECT_LE(sum, 1.1 * expected) << "box " << at << " is " << distance << " away, seed 365";
+            }
+        }
+    }
+}
+
+// Top levels that others are bad at: no worse than a binned tree of single boxes. Of places far apart, most of the sum is
+// that of the few nodes that hold several of them, and what is built bottom up makes these no better: 1.9 % worse here, by
+// exact clustering, too.
 TEST(Ploc, SumOfAreasIsAtMostThatOfBinned) {
     Rng rng(370);
     Boxes huge = spread(10'000, 371), places, gaps;

@@ -14,6 +14,7 @@
 namespace {
 
 std::atomic<size_t> count{0}, live{0}, peak{0};
+std::atomic<size_t> left{SIZE_MAX};  // Allocations until they fail; SIZE_MAX: no end.
 
 // What was asked for stands right before the memory: what malloc makes of it may differ from run to run, by as much as the
 // alignment.
@@ -30,13 +31,22 @@ void* counted(void* whole, size_t header, size_t size) {
     return memory;
 }
 
+bool may_allocate() {
+    size_t now = left;
+    while (now > 0 && now != SIZE_MAX && !left.compare_exchange_weak(now, now - 1)) {
+    }
+    return now > 0;
+}
+
 void* allocate(size_t size) {
     if (size > PTRDIFF_MAX) return nullptr;  // as malloc does
+    if (!may_allocate()) return nullptr;
     return counted(std::malloc(kHeader + size), kHeader, size);
 }
 
 void* allocate_aligned(size_t size, std::align_val_t alignment) {
     if (size > PTRDIFF_MAX) return nullptr;
+    if (!may_allocate()) return nullptr;
     const size_t step = std::max(static_cast<size_t>(alignment), kHeader);
     return counted(std::aligned_alloc(step, step + (size + step - 1) / step * step), step, size);
 }
@@ -82,6 +92,10 @@ namespace zoe::test {
 
 size_t allocation_count() {
     return count;
+}
+
+void fail_allocations_after(size_t allocation_count) {
+    left = allocation_count;
 }
 
 size_t live_bytes() {
