@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <string>
@@ -23,31 +24,45 @@
 #include "engine/bvh/wide_packet_triangle.inl"
 #include "engine/bvh/wide_triangle.inl"
 #include "engine/bvh/wide_walk.inl"
+// Which these read.
+#include "engine/bvh/wide_stream.inl"
+// Which this one reads.
+#include "engine/bvh/wide_packet_walk.inl"
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
 namespace HWY_NAMESPACE {
 
-// Vectors are stored whole; what lies above the top of a stack is scratch. At the bottom there is one entry more.
-constexpr size_t kStackSlack = kWidth + 1;
+// Fewer rays than this don't pay for what a stream takes to set up.
+constexpr size_t kFewestTogether = 8;
 
-// Room for the stacks of a few rays, in place unless a tree is a degenerate one.
-template <size_t kCount>
+// A packet that tests more blocks of triangles than this with all its rays is wider than the triangles are. So will be
+// those that follow it: the next rays go as streams.
+constexpr uint32_t kDenseBlocks = 24;
+constexpr size_t kRaysAfterDense = 4 * kStreamSize;
+
+// Room for a stack, in place unless a tree is a degenerate one.
+// Entry      anything that a stack is made of.
+template <typename Entry>
 class StackMemory {
 public:
-    explicit StackMemory(size_t size) : size_(size + kStackSlack) {
-        if (size_ > kInPlace) more_.resize(2 * kCount * size_);
+    explicit StackMemory(size_t size) {
+        if (size + kSlack > kInPlace) more_.resize(size + kSlack);
     }
-    Stack operator[](size_t k) {
-        uint32_t* memory = more_.empty() ? in_place_ + 2 * kInPlace * k : more_.data() + 2 * size_ * k;
-        return {memory, memory + (more_.empty() ? kInPlace : size_)};
-    }
+    Entry* data() { return more_.empty() ? in_place_ : more_.data(); }
 
 private:
-    static constexpr size_t kInPlace = 248;
-    size_t size_;
-    uint32_t in_place_[2 * kInPlace * kCount];
-    std::vector<uint32_t> more_;
+    // Vectors are stored whole; what lies above the top of a stack is scratch. At the bottom there is one entry more.
+    static constexpr size_t kInPlace = 248, kSlack = kWidth + 1;
+    Entry in_place_[kInPlace];
+    std::vector<Entry> more_;
+};
+
+// Of a single ray or a packet.
+struct WalkMemory {
+    explicit WalkMemory(size_t size) : keys(size), children(size) {}
+    Stack stack() { return {keys.data(), children.data()}; }
+    StackMemory<uint32_t> keys, children;
 };
 
 void add(const TraverseCounts& more, TraverseCounts* counts) {
@@ -65,14 +80,11 @@ const PlacedBlas* only_tree(const TwoLevels& scene) {
 }
 
 template <bool kIsAny, typename Finish>
-HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts, Finish&& finish) {
-    if (scene.top->nodes.empty()) {
-        for (size_t k = 0; k < count; ++k) finish(k, RawHit{}, false);
-        return;
-    }
-    StackMemory<1> memory(scene.stack_size);
+HWY_INLINE void trace_one_by_one(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts,
+                                 Finish&& finish) {
+    WalkMemory memory(scene.stack_size);
     Walk<kIsAny> walk;
-    walk.stack = memory[0];
+    walk.stack = memory.stack();
     const PlacedBlas* only = only_tree(scene);
     if (only) {
         walk.blocks = only->blas->blocks.data();
@@ -80,7 +92,7 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
         walk.t_floor = 0.0f;
     }
     const WideNode* root = only ? only->blas->tree.nodes.data() : scene.top->nodes.data();
-    const auto trace_single = [&](size_t k) HWY_ATTR {
+    for (size_t k = 0; k < count; ++k) {
         const Ray& ray = rays[k];
         walk.start(root, RawHit{.t = ray.t_max}, ray.t_min);
         if (walk.world.set(ray) && ray.t_min <= ray.t_max) {
@@ -88,27 +100,59 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
             trace(walk, &scene);
         }
         finish(k, walk.hit, walk.is_found);
-    };
-    size_t k = 0;
-    if (count >= kPacketSize) {
-        const glm::vec3 size = scene.top->bounds().extent();
-        const float extent = size.x + size.y + size.z;
-        PacketHits found;
-        Packet world(&found), local(&found);
-        for (; k + kPacketSize <= count; k += kPacketSize) {
-            if (set_packet(rays + k, extent, &world)) {
-                trace_packet(scene, world, local, walk);
-                for (size_t n = 0; n < kPacketSize; ++n) {
-                    finish(k + n, {found.t[n], found.u[n], found.v[n], found.id[n], found.primitive[n]},
-                           found.id[n] != kEmptyChild);
-                }
-            } else {
-                for (size_t n = 0; n < kPacketSize; ++n) trace_single(k + n);
-            }
-        }
     }
-    for (; k < count; ++k) trace_single(k);
     add(walk.counts, counts);
+}
+
+// Sixteen coherent rays in a row as a packet, all others in streams.
+template <bool kIsAny, typename Finish>
+HWY_INLINE void trace_together(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts,
+                               Finish&& finish) {
+    WalkMemory memory(scene.stack_size);
+    StackMemory<StreamEntry> stream_memory(scene.stack_size);
+    Stream stream(stream_memory.data());
+    TraverseCounts work;
+    const glm::vec3 size = scene.top->bounds().extent();
+    const float extent = size.x + size.y + size.z;
+    PacketHits found;
+    Packet world(&found), local(&found);
+    // The stream holds the rays before rays[end].
+    const auto finish_stream = [&](size_t end) HWY_ATTR {
+        trace_stream<kIsAny>(scene, nullptr, &stream, &work);
+        for (size_t n = 0; n < stream.size; ++n) finish(end - stream.size + n, stream.hits[n], (stream.found >> n & 1) != 0);
+        stream.clear();
+    };
+    size_t next_packet = 0;  // Rays before this one are not tried as packets.
+    for (size_t k = 0; k < count;) {
+        const size_t end = std::min(k + kPacketSize, count);
+        if (k >= next_packet && end - k == kPacketSize && set_packet(rays + k, extent, &world)) {
+            finish_stream(k);
+            const uint32_t blocks = trace_packet<kIsAny>(scene, world, local, memory.stack(), &stream, &work);
+            if (blocks > kDenseBlocks) next_packet = end + kRaysAfterDense;
+            stream.clear();
+            for (size_t n = 0; n < kPacketSize; ++n) {
+                finish(k + n, {found.t[n], found.u[n], found.v[n], found.id[n], found.primitive[n]},
+                       found.id[n] != kEmptyChild);
+            }
+        } else {
+            for (size_t n = k; n < end; ++n) stream.add(rays[n]);
+            if (stream.size == kStreamSize) finish_stream(end);
+        }
+        k = end;
+    }
+    finish_stream(count);
+    add(work, counts);
+}
+
+template <bool kIsAny, typename Finish>
+HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count, TraverseCounts* counts, Finish&& finish) {
+    if (scene.top->nodes.empty()) {
+        for (size_t k = 0; k < count; ++k) finish(k, RawHit{}, false);
+    } else if (count < kFewestTogether) {
+        trace_one_by_one<kIsAny>(scene, rays, count, counts, finish);
+    } else {
+        trace_together<kIsAny>(scene, rays, count, counts, finish);
+    }
 }
 
 void closest_hits_batch(const TwoLevels& scene, const Ray* rays, size_t count, RawHit* hits, TraverseCounts* counts) {
@@ -124,8 +168,8 @@ template <bool kIsAny>
 bool hit_blas(const Blas& blas, const RayFrame& frame, float t_floor, float t_min, BlasHit* hit, TraverseCounts* counts) {
     if (!frame.is_valid || !(t_min <= hit->t) || blas.tree.nodes.empty()) return false;
     Walk<kIsAny> walk;
-    StackMemory<1> memory(blas.tree.stack_size());
-    walk.stack = memory[0];
+    WalkMemory memory(blas.tree.stack_size());
+    walk.stack = memory.stack();
     walk.blocks = blas.blocks.data();
     walk.t_floor = t_floor;
     walk.id = 0;

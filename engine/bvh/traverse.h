@@ -9,7 +9,7 @@
 
 namespace zoe {
 
-/// Work done by a ray, for `--shade cost` and the charts.
+/// Work done by a ray, for `--shade cost` and the charts. What a packet of rays does together counts once.
 struct TraverseCounts {
     uint32_t nodes = 0;      ///< Nodes whose eight boxes were tested.
     uint32_t triangles = 0;  ///< Triangle tests, whole blocks.
@@ -43,8 +43,9 @@ struct RawHit {
 /// hits       [ray_count]
 /// counts     null, or what the work of all rays is added to.
 /// Cost       no allocation unless the tree is deeper than a few dozen levels.
-/// Source     Wald, Benthin, Boulos. Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs.
-///            IEEE RT 2008.
+/// Source     single rays: Wald, Benthin, Boulos. Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
+///            Multi-Branching BVHs. IEEE RT 2008. Many: Tsakok. Faster Incoherent Rays: Multi-BVH Ray Stream Tracing. HPG
+///            2009. Deviation: sets of 64 rays as bits, in order of the first entry among them. Coherent ones go in packets.
 void closest_hits(const TwoLevels& scene, std::span<const Ray> rays, RawHit* hits, TraverseCounts* counts);
 
 /// Tells for each ray whether anything is hit with t in [t_min, t_max].

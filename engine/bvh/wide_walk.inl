@@ -1,4 +1,4 @@
-// The way of a ray, or of sixteen, through both levels: from the top, into instances and back. Compiled once an instruction
+// The way of a single ray through both levels: from the top, into instances and back. Compiled once an instruction
 // set, by the file that includes it.
 
 HWY_BEFORE_NAMESPACE();
@@ -40,6 +40,10 @@ struct Walk {
     }
 };
 
+HWY_INLINE bool is_closer(float t, uint32_t id, uint32_t primitive, const RawHit& hit) {
+    return t < hit.t || (t == hit.t && (id < hit.id || (id == hit.id && primitive < hit.primitive)));
+}
+
 template <bool kIsAny>
 HWY_INLINE void test_leaf(Walk<kIsAny>& walk, const Space& space, uint32_t child) {
     const TriangleBlock* block = walk.blocks + first_block(child);
@@ -48,10 +52,7 @@ HWY_INLINE void test_leaf(Walk<kIsAny>& walk, const Space& space, uint32_t child
         test_block(*block, space, walk.t_floor, walk.t_min, walk.hit.t,
                    [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
                        RawHit& hit = walk.hit;
-                       const bool is_closer =
-                           t < hit.t ||
-                           (t == hit.t && (walk.id < hit.id || (walk.id == hit.id && primitive < hit.primitive)));
-                       if (!is_closer) return;
+                       if (!is_closer(t, walk.id, primitive, hit)) return;
                        hit = {t, u, v, walk.id, primitive};
                        walk.is_found = true;
                        walk.set_limit();
@@ -139,124 +140,6 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
         at = stack.children[stack.size];
     }
     walk.counts.nodes += node_count;
-}
-
-// Those of a packet's rays that `which` has a bit for, in the space of an instance, one by one, each from the hit that it
-// has.
-template <bool kIsAny>
-HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, uint32_t which, Packet& packet, Walk<kIsAny>& walk) {
-    walk.blocks = placed.blas->blocks.data();
-    walk.id = placed.id;
-    walk.is_in_instance = true;
-    for (; which != 0; which &= which - 1) {
-        const int k = std::countr_zero(which);
-        if (!walk.world.set(packet.ray(k))) continue;
-        walk.start(placed.blas->tree.nodes.data(),
-                   {packet.t[k], packet.u[k], packet.v[k], packet.id[k], packet.primitive[k]}, packet.t_min[k]);
-        walk.t_floor = packet.t_floor[k];
-        trace<kIsAny>(walk, nullptr);
-        if (!walk.is_found) continue;
-        packet.t[k] = kIsAny ? -1.0f : walk.hit.t;
-        packet.u[k] = walk.hit.u;
-        packet.v[k] = walk.hit.v;
-        packet.id[k] = walk.hit.id;
-        packet.primitive[k] = walk.hit.primitive;
-    }
-}
-
-// A packet on its way.
-template <bool kIsAny>
-struct PacketWalk {
-    const TwoLevels& scene;
-    Packet &world, &local;
-    Walk<kIsAny>& single;  // For rays that are better traced one by one.
-    Packet* packet;        // In the space where the walk is.
-    Stack stack;
-    const WideNode* nodes;
-    const TriangleBlock* blocks = nullptr;
-    uint32_t id = 0;
-    float limit = 0.0f;  // As in Walk, of the ray that sees farthest.
-    uint32_t limit_key = 0;
-    size_t leave_size = 0;  // Of the stack when all that is left is to leave this space.
-    bool is_in_instance = false;
-
-    void set_limit() {
-        limit = farthest(*packet) * kCullPad;
-        limit_key = std::bit_cast<uint32_t>(limit) | kSlotMask;
-    }
-    void enter_space(Packet* next, size_t size) {
-        packet = next;
-        leave_size = size;
-        set_limit();
-    }
-};
-
-// Returns false where the packet does not go on from the root of the instance's tree.
-template <bool kIsAny>
-HWY_INLINE bool enter_instance(PacketWalk<kIsAny>& walk, const PlacedBlas& placed) {
-    Stack& stack = walk.stack;
-    if (!placed.is_identity) {
-        const uint32_t entered = transform(placed, walk.world, &walk.local);
-        if (entered == 0) return false;
-        const glm::vec3 size = placed.bounds_world.extent();
-        if (std::popcount(entered) < kFewRays || !is_narrow(walk.world, size.x + size.y + size.z) || !prepare(&walk.local)) {
-            const Stack bottom = walk.single.stack;
-            walk.single.stack = {stack.keys + stack.size, stack.children + stack.size};
-            trace_one_by_one(placed, entered, walk.local, walk.single);
-            walk.single.stack = bottom;
-            walk.set_limit();
-            return false;
-        }
-    }
-    if (stack.size > 0) {
-        stack.keys[stack.size] = 0;
-        stack.children[stack.size++] = kLeave;
-    }
-    if (!placed.is_identity) walk.enter_space(&walk.local, stack.size);
-    walk.nodes = placed.blas->tree.nodes.data();
-    walk.blocks = placed.blas->blocks.data();
-    walk.id = placed.id;
-    walk.is_in_instance = true;
-    return true;
-}
-
-// Takes sixteen rays through the scene together.
-// local      its contents are scratch.
-template <bool kIsAny>
-HWY_INLINE void trace_packet(const TwoLevels& scene, Packet& world, Packet& local, Walk<kIsAny>& single) {
-    PacketWalk<kIsAny> walk{scene, world, local, single, &world, single.stack, scene.top->nodes.data()};
-    Stack& stack = walk.stack;
-    stack.size = 0;
-    walk.set_limit();
-    uint32_t at = 0;
-    for (;;) {
-        bool has_next = false;
-        if (!is_leaf(at)) {
-            ++single.counts.nodes;
-            has_next = next_child<kIsAny>(walk.nodes[at], walk.packet->boxes, walk.limit, &stack, &at);
-        } else if (at == kLeave) {
-            walk.is_in_instance = false;
-            walk.nodes = scene.top->nodes.data();
-            if (walk.packet != &world) walk.enter_space(&world, 0);
-        } else if (walk.is_in_instance) {
-            bool is_found = false;
-            for (uint32_t k = 0; k < block_count(at); ++k) {
-                single.counts.triangles += TriangleBlock::kSize;
-                is_found |= test_block<kIsAny>(walk.blocks[first_block(at) + k], walk.id, walk.packet);
-            }
-            if (is_found) walk.set_limit();
-        } else {
-            has_next = enter_instance(walk, scene.instances[first_block(at)]);
-            at = 0;
-        }
-        if (has_next) continue;
-        if (kIsAny && walk.limit < 0.0f) stack.size = walk.leave_size;  // No ray looks for more in this space.
-        do {
-            if (stack.size == 0) return;
-            --stack.size;
-        } while (!kIsAny && stack.keys[stack.size] > walk.limit_key);
-        at = stack.children[stack.size];
-    }
 }
 
 }  // namespace HWY_NAMESPACE

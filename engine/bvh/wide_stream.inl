@@ -1,0 +1,195 @@
+// A stream of rays, through both levels together, wherever they go: a node is read once for all rays that enter it, and
+// tested with one after the other. A single ray waits at every node for the last one's answer, and for memory; here there is
+// always another ray's test to go on with, and what comes next is known and asked for. Compiled once an instruction set, by
+// the file that includes it.
+
+HWY_BEFORE_NAMESPACE();
+namespace zoe {
+namespace HWY_NAMESPACE {
+
+// A bit for each ray.
+using RaySet = uint64_t;
+constexpr size_t kStreamSize = 64;
+
+// A child to be visited by some of the rays.
+struct StreamEntry {
+    uint32_t child;
+    uint32_t key;  // As in Stack: where the first of them enters it.
+    RaySet rays;
+};
+
+struct Stream {
+    explicit Stream(StreamEntry* memory) : stack(memory) {}
+
+    void clear() {
+        size = 0;
+        looking = found = 0;
+    }
+    HWY_INLINE void add(const Ray& ray) {
+        const size_t k = size++;
+        const bool can_hit = world[k].set(ray) & (ray.t_min <= ray.t_max);
+        hits[k] = {.t = ray.t_max};
+        limit[k] = ray.t_max * kCullPad;
+        t_min[k] = ray.t_min;
+        looking |= RaySet{can_hit} << k;
+    }
+
+    StreamEntry* stack;
+    size_t size = 0;
+    RaySet looking = 0;  // Rays that look for a hit, or a closer one.
+    RaySet found = 0;
+    Space world[kStreamSize], local[kStreamSize];
+    RawHit hits[kStreamSize];
+    float limit[kStreamSize];  // As in Walk.
+    float t_min[kStreamSize], t_floor[kStreamSize];
+};
+
+// Pushes the children of a node that rays enter; for closest hits, nearest last. Returns the new end of the stack.
+template <bool kIsAny>
+HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces, const float* limit, RaySet rays,
+                                      StreamEntry* end) {
+    const BoxTag d;
+    const hn::CappedTag<uint8_t, kStreamSize> bytes;
+    // A byte for each ray, whose bits are the children that it enters.
+    HWY_ALIGN uint8_t entered[kStreamSize];
+    for (size_t k = 0; k < kStreamSize; k += hn::Lanes(bytes)) hn::Store(hn::Zero(bytes), bytes, entered + k);
+    hn::Vec<BoxTag> nearest[kWidth / kLanes];
+    for (auto& t : nearest) t = hn::Set(d, kInfinity);
+    uint32_t entered_by_any = 0;
+    for (; rays != 0; rays &= rays - 1) {
+        const int k = std::countr_zero(rays);
+        const BoxRay ray(spaces[k]);
+        uint32_t bits = 0;
+        for (size_t part = 0; part < kWidth / kLanes; ++part) {
+            const Entered t = test_boxes(node, ray, hn::Set(d, limit[k]), part * kLanes);
+            bits |= bits_of(d, t.mask) << (part * kLanes);
+            if (!kIsAny) nearest[part] = smaller(hn::IfThenElse(t.mask, t.t, hn::Set(d, kInfinity)), nearest[part]);
+        }
+        entered[k] = static_cast<uint8_t>(bits);
+        entered_by_any |= bits;
+    }
+    HWY_ALIGN uint32_t keys[kWidth];
+    if (!kIsAny) {
+        for (size_t part = 0; part < kWidth / kLanes; ++part)
+            hn::Store(hn::BitCast(BoxBits(), nearest[part]), BoxBits(), keys + part * kLanes);
+    }
+    StreamEntry* const begin = end;
+    for (; entered_by_any != 0; entered_by_any &= entered_by_any - 1) {
+        const int slot = std::countr_zero(entered_by_any);
+        RaySet entering = 0;
+        for (size_t k = 0; k < kStreamSize; k += hn::Lanes(bytes)) {
+            const auto is_in = hn::TestBit(hn::Load(bytes, entered + k), hn::Set(bytes, static_cast<uint8_t>(1u << slot)));
+            uint8_t bits[8] = {};
+            hn::StoreMaskBits(bytes, is_in, bits);
+            RaySet some;
+            std::memcpy(&some, bits, sizeof some);
+            entering |= some << k;
+        }
+        StreamEntry* at = end++;
+        if (!kIsAny) {
+            for (; at != begin && at[-1].key < keys[slot]; --at) *at = at[-1];
+        }
+        *at = {node.child[slot], kIsAny ? 0 : keys[slot], entering};
+    }
+    return end;
+}
+
+// Tests a leaf's triangles.
+template <bool kIsAny>
+HWY_INLINE void test_leaf(const TriangleBlock* blocks, uint32_t child, uint32_t id, const Space* spaces, RaySet rays,
+                          Stream* stream, TraverseCounts* counts) {
+    const TriangleBlock* block = blocks + first_block(child);
+    for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
+        if (kIsAny) rays &= stream->looking;
+        counts->triangles += TriangleBlock::kSize * static_cast<uint32_t>(std::popcount(rays));
+        for (RaySet rest = rays; rest != 0; rest &= rest - 1) {
+            const int k = std::countr_zero(rest);
+            RawHit& hit = stream->hits[k];
+            test_block(*block, spaces[k], stream->t_floor[k], stream->t_min[k], hit.t,
+                       [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
+                           if (!is_closer(t, id, primitive, hit)) return;
+                           hit = {t, u, v, id, primitive};
+                           stream->limit[k] = t * kCullPad;
+                           stream->found |= RaySet{1} << k;
+                           if (kIsAny) stream->looking &= ~(RaySet{1} << k);
+                       });
+        }
+    }
+}
+
+// Takes those of the rays that enter an instance into its space, and returns them.
+HWY_INLINE RaySet enter_instance(const PlacedBlas& placed, RaySet rays, Stream* stream) {
+    RaySet entered = 0;
+    for (; rays != 0; rays &= rays - 1) {
+        const int k = std::countr_zero(rays);
+        stream->t_floor[k] = 0.0f;
+        if (!placed.is_identity) {
+            stream->t_floor[k] = entry(stream->world[k], placed.bounds_world, stream->hits[k].t);
+            if (!(stream->t_floor[k] < kInfinity)) continue;
+            if (!transform(placed.local_from_world, stream->world[k], &stream->local[k])) continue;
+        }
+        entered |= RaySet{1} << k;
+    }
+    return entered;
+}
+
+// Asks for the memory of what is not visited next, but soon.
+HWY_INLINE void prefetch(const StreamEntry& entry, const WideNode* nodes, const TriangleBlock* blocks,
+                         const PlacedBlas* instances) {
+    const void* what = nodes + entry.child;
+    if (is_leaf(entry.child)) {
+        what = blocks ? static_cast<const void*>(blocks + first_block(entry.child)) : instances + first_block(entry.child);
+    }
+    for (int line = 0; line < 4; ++line) __builtin_prefetch(static_cast<const std::byte*>(what) + 64 * line);
+}
+
+// Takes the stream's rays through the scene, or through one instance of it whose space is `local`.
+// placed     that instance, or null.
+template <bool kIsAny>
+void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stream, TraverseCounts* counts) {
+    const WideNode* nodes = scene.top->nodes.data();
+    const TriangleBlock* blocks = nullptr;
+    const Space* spaces = stream->world;
+    uint32_t id = 0;
+    const auto go_into = [&](const PlacedBlas& instance) {
+        nodes = instance.blas->tree.nodes.data();
+        blocks = instance.blas->blocks.data();
+        id = instance.id;
+        if (!instance.is_identity) spaces = stream->local;
+    };
+    if (placed) go_into(*placed);
+    StreamEntry* const bottom = stream->stack;
+    StreamEntry* end = bottom;
+    *end++ = {0, 0, stream->looking};
+    while (end != bottom && (!kIsAny || stream->looking != 0)) {
+        --end;
+        const uint32_t at = end->child;
+        const RaySet rays = end->rays & stream->looking;
+        if (at == kLeave) {
+            nodes = scene.top->nodes.data();
+            blocks = nullptr;
+            spaces = stream->world;
+        } else if (rays == 0) {
+            // All that were to go on here have hit something since.
+        } else if (!is_leaf(at)) {
+            counts->nodes += static_cast<uint32_t>(std::popcount(rays));
+            end = push_children<kIsAny>(nodes[at], spaces, stream->limit, rays, end);
+            for (ptrdiff_t n = 2; n < 4 && n <= end - bottom; ++n) {
+                if (end[-n].child != kLeave) prefetch(end[-n], nodes, blocks, scene.instances);
+            }
+        } else if (blocks) {
+            test_leaf<kIsAny>(blocks, at, id, spaces, rays, stream, counts);
+        } else {
+            const PlacedBlas& instance = scene.instances[first_block(at)];
+            const RaySet entered = enter_instance(instance, rays, stream);
+            if (entered == 0) continue;
+            *end++ = {kLeave, 0, 0};
+            *end++ = {0, 0, entered};
+            go_into(instance);
+        }
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace zoe
+HWY_AFTER_NAMESPACE();
