@@ -2,6 +2,31 @@
 
 namespace zoe {
 
+namespace {
+
+Aabb whole(Content& content) {
+    constexpr double kOtherwiseS = 4.0;
+    return bounds_over(content, times_over_clip(content.scene, kOtherwiseS));
+}
+
+// Moves the world's beginning to where it was asked for, and a place to look from with it.
+void set_origin(Content& content, const Options& options, ViewChoice* choice) {
+    Scene& scene = content.scene;
+    if (options.origin) scene.origin = *options.origin;
+    if (options.begins_at_eye) {
+        advance(content, 0.0, nullptr);
+        scene.origin = choice->camera    ? place_in_scene(scene, *choice->camera)
+                       : choice->look_at ? glm::dvec3(choice->look_at->eye)
+                                         : glm::dvec3(choice->bounds.centre());
+    }
+    if (choice->look_at) {
+        choice->look_at->eye = glm::vec3(glm::dvec3(choice->look_at->eye) - scene.origin);
+        choice->look_at->target = glm::vec3(glm::dvec3(choice->look_at->target) - scene.origin);
+    }
+}
+
+}  // namespace
+
 ViewChoice first_view(Content& content, const Options& options) {
     ViewChoice choice;
     const std::vector<NodeId> cameras = camera_nodes(content.scene);
@@ -12,8 +37,11 @@ ViewChoice first_view(Content& content, const Options& options) {
     } else if (!cameras.empty()) {
         choice.camera = cameras.front();
     } else {
-        constexpr double kOtherwiseS = 4.0;
-        choice.bounds = bounds_over(content, times_over_clip(content.scene, kOtherwiseS));
+        choice.bounds = whole(content);
+    }
+    if (options.origin || options.begins_at_eye) {
+        set_origin(content, options, &choice);
+        if (!choice.camera && !choice.look_at) choice.bounds = whole(content);
     }
     return choice;
 }

@@ -14,7 +14,7 @@ namespace {
 
 /// Options whose text is checked after all of them were read.
 struct Texts {
-    std::string frames, eye, target, size, shade, out, cache;
+    std::string frames, eye, target, origin, size, shade, out, cache;
 };
 
 struct Flags {
@@ -66,6 +66,9 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
     app.add_option("--eye", texts.eye, "Look from here, +Y up, ...")->type_name("X,Y,Z")->group(seen);
     app.add_option("--target", texts.target, "... at this point, ...")->type_name("X,Y,Z")->group(seen);
     app.add_option("--fov", options.fov_degrees, "... with this vertical field of view (45)")->type_name("DEG")->group(seen);
+    app.add_option("--origin", texts.origin, "Where numbers are the most exact: for scenes kilometres from (0, 0, 0)")
+        ->type_name("X,Y,Z|camera")
+        ->group(seen);
     app.add_option("--shade", texts.shade,
                    "path: lit; albedo: colours; normal; motion: the classes; cost: work of each pixel")
         ->type_name("path|albedo|normal|motion|cost")
@@ -124,6 +127,8 @@ void require(bool holds, const std::string& message) {
 void check_view(const CLI::App& app, Options& options, const Texts& texts) {
     if (app.count("--eye")) options.eye = parse_point(texts.eye, "--eye");
     if (app.count("--target")) options.target = parse_point(texts.target, "--target");
+    options.begins_at_eye = texts.origin == "camera";
+    if (app.count("--origin") && !options.begins_at_eye) options.origin = parse_point(texts.origin, "--origin");
     require(app.count("--eye") == app.count("--target"), "--eye and --target go together");
     require(!options.eye || !options.camera, "--eye and --camera: give one of them");
     require(!options.eye || *options.eye != *options.target, "--eye and --target are the same point");

@@ -61,10 +61,11 @@ void animate(const Scene& scene, double time_s, FrameState* state) {
     for (const NodeId id : state->parents_first) {
         const uint32_t k = index(id);
         const Node& node = scene.nodes[k];
-        state->local_matrices[k] = node.matrix ? *node.matrix : to_affine(state->locals[k]);
-        state->world_matrices[k] = node.parent == kNone<NodeId>
-                                       ? state->local_matrices[k]
-                                       : state->world_matrices[index(node.parent)] * state->local_matrices[k];
+        const DAffine local = node.matrix ? to_daffine(*node.matrix) : to_daffine(state->locals[k]);
+        DAffine& scene_from_node = state->scene_from_nodes[k];
+        scene_from_node = node.parent == kNone<NodeId> ? local : state->scene_from_nodes[index(node.parent)] * local;
+        state->local_matrices[k] = to_affine(local, glm::dvec3(0.0));
+        state->world_matrices[k] = to_affine(scene_from_node, scene.origin);
     }
 }
 

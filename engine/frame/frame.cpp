@@ -62,6 +62,10 @@ const Affine& world_from_node(const Scene& scene, NodeId node) {
     return made_state(scene).world_matrices.at(index(node));
 }
 
+glm::dvec3 place_in_scene(const Scene& scene, NodeId node) {
+    return made_state(scene).scene_from_nodes.at(index(node)).translation;
+}
+
 Motion motion(const Scene& scene, NodeId node) {
     return made_state(scene).motions.at(index(node)).motion;
 }

@@ -34,9 +34,13 @@ struct FrameStats {
 /// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 
-/// World matrix of a node at the last `advance`: cameras and lights.
+/// World matrix of a node at the last `advance`: cameras and lights. The world begins at `Scene::origin`.
 /// Throws     std::logic_error before the first one.
 const Affine& world_from_node(const Scene& scene, NodeId node);
+
+/// Where a node is in the scene's own space, whatever `Scene::origin`, at the last `advance`.
+/// Throws     std::logic_error before the first one.
+glm::dvec3 place_in_scene(const Scene& scene, NodeId node);
 
 /// The motion class of a node as worked out at the last `advance`.
 /// Throws     std::logic_error before the first one, and after `set_motion` or `touch` until the next.

@@ -62,8 +62,9 @@ struct TlasScratch {
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
     std::vector<NodeId> parents_first;
-    std::vector<NodeMotion> motions;                       ///< [node_count]
-    std::vector<Trs> locals;                               ///< [node_count] this frame's, where the node has no matrix.
+    std::vector<NodeMotion> motions;        ///< [node_count]
+    std::vector<Trs> locals;                ///< [node_count] this frame's, where the node has no matrix.
+    std::vector<DAffine> scene_from_nodes;  ///< [node_count] this frame's, before the scene's origin is taken off.
     std::vector<Affine> local_matrices, world_matrices;    ///< [node_count] this frame's.
     std::vector<std::vector<float>> weights;               ///< [node_count] this frame's; empty where nothing is morphed.
     double time_s = 0.0;                                   ///< Of this frame.

@@ -61,6 +61,7 @@ void prepare(Scene& scene, FrameState* state) {
     state->parents_first = scene.parents_first();
     state->motions = classify(scene);
     state->locals.resize(node_count);
+    state->scene_from_nodes.resize(node_count);
     state->local_matrices.resize(node_count);
     state->world_matrices.resize(node_count);
     state->weights.resize(node_count);

@@ -16,6 +16,27 @@ Affine to_affine(const Trs& trs) {
     return {linear, trs.translation};
 }
 
+DAffine operator*(const DAffine& a, const DAffine& b) {
+    return {a.linear * b.linear, a.linear * b.translation + a.translation};
+}
+
+DAffine to_daffine(const Affine& a) {
+    return {glm::dmat3(a.linear), glm::dvec3(a.translation)};
+}
+
+DAffine to_daffine(const Trs& trs) {
+    glm::dquat rotation(trs.rotation);
+    const double length = glm::length(rotation);
+    if (length > 0.0) rotation /= length;
+    glm::dmat3 linear = glm::mat3_cast(rotation);
+    for (int axis = 0; axis < 3; ++axis) linear[axis] *= static_cast<double>(trs.scale[axis]);
+    return {linear, glm::dvec3(trs.translation)};
+}
+
+Affine to_affine(const DAffine& a, const glm::dvec3& origin) {
+    return {glm::mat3(a.linear), glm::vec3(a.translation - origin)};
+}
+
 bool is_finite(const Affine& a) {
     for (int column = 0; column < 3; ++column) {
         for (int row = 0; row < 3; ++row) {

@@ -18,6 +18,12 @@ struct Affine {
     friend bool operator==(const Affine&, const Affine&) = default;
 };
 
+/// The same in double precision: for products of many maps, and for places far from the origin.
+struct DAffine {
+    glm::dmat3 linear{1.0};
+    glm::dvec3 translation{0.0};
+};
+
 /// Translation, then rotation, then scale, read from the left: what a glTF node or channel holds.
 struct Trs {
     glm::vec3 translation{0.0f};
@@ -28,6 +34,13 @@ struct Trs {
 
 Affine operator*(const Affine& a, const Affine& b);
 Affine to_affine(const Trs& trs);
+
+DAffine operator*(const DAffine& a, const DAffine& b);
+DAffine to_daffine(const Affine& a);
+/// The rotation is first made of length 1 to double precision; one of length 0 stays as it is.
+DAffine to_daffine(const Trs& trs);
+/// Rounded once, moved so that `origin` comes to lie at (0, 0, 0).
+Affine to_affine(const DAffine& a, const glm::dvec3& origin);
 
 /// Inverse, worked out in double precision.
 /// Returns    false, and leaves `inverse` alone, where the map is singular or not finite (a zero scale hides a node).
