@@ -133,7 +133,7 @@ HWY_INLINE RaySet enter_instance(const PlacedBlas& placed, RaySet rays, Stream* 
     return entered;
 }
 
-// Asks for the memory of what is not visited next, but soon.
+// Asks for the memory of what is visited next, or soon.
 HWY_INLINE void prefetch(const StreamEntry& entry, const WideNode* nodes, const TriangleBlock* blocks,
                          const PlacedBlas* instances) {
     const void* what = nodes + entry.child;
@@ -174,7 +174,7 @@ void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stre
         } else if (!is_leaf(at)) {
             counts->nodes += static_cast<uint32_t>(std::popcount(rays));
             end = push_children<kIsAny>(nodes[at], spaces, stream->limit, rays, end);
-            for (ptrdiff_t n = 2; n < 4 && n <= end - bottom; ++n) {
+            for (ptrdiff_t n = 1; n <= std::min<ptrdiff_t>(2, end - bottom); ++n) {
                 if (end[-n].child != kLeave) prefetch(end[-n], nodes, blocks, scene.instances);
             }
         } else if (blocks) {

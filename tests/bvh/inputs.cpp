@@ -77,6 +77,35 @@ TestMesh large_among_small(uint64_t seed) {
     return mesh;
 }
 
+TestMesh stack_of_triangles(int count) {
+    TestMesh mesh{"chain", {}, {}};
+    for (int k = 0; k < count; ++k) {
+        const auto z = static_cast<float>(k);
+        mesh.add({-1, -1, z}, {1, -1, z}, {0, 1, z});
+    }
+    return mesh;
+}
+
+Bvh chain_over(const std::vector<Aabb>& boxes) {
+    const auto n = static_cast<uint32_t>(boxes.size());
+    Bvh bvh;
+    bvh.nodes.resize(2 * n - 1);
+    Aabb rest;
+    for (uint32_t k = n; k-- > 0;) {
+        // Chain node 2k - 1 (the root is 0) over primitives [k, n); its leaf stands right before the next chain node.
+        rest.extend(boxes[k]);
+        const uint32_t chain = k == 0 ? 0 : 2 * k;
+        if (k == n - 1) {
+            bvh.nodes[chain] = {rest.lo, k, rest.hi, 1};
+        } else {
+            bvh.nodes[chain] = {rest.lo, 2 * k + 1, rest.hi, 0};
+            bvh.nodes[2 * k + 1] = {boxes[k].lo, k, boxes[k].hi, 1};
+        }
+    }
+    for (uint32_t k = 0; k < n; ++k) bvh.primitives.push_back(k);
+    return bvh;
+}
+
 std::vector<TestMesh> nasty_meshes() {
     std::vector<TestMesh> meshes;
     const TestMesh soup = random_soup(2000, 1.0f, 51);

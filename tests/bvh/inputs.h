@@ -25,6 +25,12 @@ TestMesh random_soup(int triangle_count, float size, uint64_t seed);
 /// Large triangles across many small ones: what spatial splits are for.
 TestMesh large_among_small(uint64_t seed);
 
+/// Triangle k stands at z = k, and is hit from above and below.
+TestMesh stack_of_triangles(int count);
+/// A tree as deep as it has boxes: every inner node has one leaf and the rest of the chain. A ray from above goes down the
+/// chain over a stack of triangles first, and keeps every leaf for later.
+Bvh chain_over(const std::vector<Aabb>& boxes);
+
 /// Every kind of input that builders are known to fail on.
 std::vector<TestMesh> nasty_meshes();
 

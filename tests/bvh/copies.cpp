@@ -1,0 +1,113 @@
+#include "tests/bvh/copies.h"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "engine/bvh/build_agglomerative.h"
+#include "tests/bvh/each_target.h"
+#include "tests/math/random_inputs.h"
+
+namespace zoe::test {
+
+namespace {
+
+Blas swept(const TestMesh& mesh) {
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kSweep, &blas);
+    return blas;
+}
+
+}  // namespace
+
+Copies::Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale)
+    : Copies(mesh, swept(mesh), world_from_local, box_scale) {}
+
+Copies::Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_local, float box_scale)
+    : mesh_(std::move(mesh)), blas_(std::move(blas)) {
+    std::vector<Aabb> boxes;
+    std::vector<PlacedBlas> placed;
+    for (const Affine& map : world_from_local) {
+        const bool is_identity = map == Affine{};
+        const Aabb box = blas_.tree.bounds();
+        PlacedBlas one{.bounds_world = is_identity ? box : transform(map, box), .blas = &blas_, .is_identity = is_identity};
+        if (!is_identity && !invert(map, &one.local_from_world)) ADD_FAILURE() << "a map without an inverse";
+        const glm::vec3 cut = 0.5f * (1.0f - box_scale) * one.bounds_world.extent();
+        one.bounds_world = {one.bounds_world.lo + cut, one.bounds_world.hi - cut};
+        // Lower ids last, so that ties are not broken by the order alone.
+        one.id = static_cast<uint32_t>(world_from_local.size() - placed.size());
+        placed.push_back(one);
+        boxes.push_back(one.bounds_world);
+    }
+    std::vector<uint32_t> slots;
+    CollapseScratch scratch;
+    collapse(build_agglomerative(boxes, {}), {.block_size = 1, .max_leaf_blocks = 1}, &top_, &slots, &scratch);
+    for (const uint32_t slot : slots) placed_.push_back(placed[slot]);
+    levels_ = {&top_, placed_.data(), top_.stack_size() + blas_.tree.stack_size() + 1};
+}
+
+RawHit Copies::brute_force(const Ray& ray) const {
+    RawHit best{.t = ray.t_max};
+    const SlabRay world(ray);
+    if (world.is_valid && ray.t_min <= ray.t_max) {
+        for (const PlacedBlas& placed : placed_) improve(placed, world, ray, &best);
+    }
+    return best.id == kEmptyChild ? RawHit{} : best;
+}
+
+void Copies::improve(const PlacedBlas& placed, const SlabRay& world, const Ray& ray, RawHit* best) const {
+    float t_floor = 0.0f;
+    Ray local = ray;
+    if (!placed.is_identity) {
+        t_floor = entry(world, placed.bounds_world.lo, placed.bounds_world.hi, best->t);
+        local.origin = placed.local_from_world.point(ray.origin);
+        local.direction = placed.local_from_world.vector(ray.direction);
+    }
+    const RayFrame frame(local);
+    if (!frame.is_valid) return;
+    for (uint32_t primitive = 0; primitive < mesh_.corners.size(); ++primitive) {
+        TriangleHit hit;
+        if (!intersect(frame, mesh_.triangle(primitive), t_floor, ray.t_min, best->t, &hit)) continue;
+        if (std::tuple(hit.t, placed.id, primitive) >= std::tuple(best->t, best->id, best->primitive)) continue;
+        *best = {hit.t, hit.u, hit.v, placed.id, primitive};
+    }
+}
+
+bool is_same(const RawHit& a, const RawHit& b) {
+    const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+    return bits(a.t) == bits(b.t) && bits(a.u) == bits(b.u) && bits(a.v) == bits(b.v) && a.id == b.id &&
+           a.primitive == b.primitive;
+}
+
+int expect_batches_right(const Copies& copies, const std::vector<Ray>& rays) {
+    std::vector<RawHit> expected;
+    for (const Ray& ray : rays) expected.push_back(copies.brute_force(ray));
+    on_each_target([&] {
+        std::vector<RawHit> hits(rays.size());
+        std::vector<uint8_t> is_hit(rays.size(), 2);
+        closest_hits(copies.levels(), rays, hits.data(), nullptr);
+        any_hits(copies.levels(), rays, is_hit.data(), nullptr);
+        for (size_t k = 0; k < rays.size(); ++k) {
+            ASSERT_TRUE(is_same(hits[k], expected[k]))
+                << "ray " << k << ": t " << hits[k].t << " of " << hits[k].id << ", " << hits[k].primitive << "; expected "
+                << expected[k].t << " of " << expected[k].id << ", " << expected[k].primitive;
+            ASSERT_EQ(is_hit[k], expected[k].id != kEmptyChild) << "ray " << k;
+            RawHit single;
+            closest_hits(copies.levels(), {&rays[k], 1}, &single, nullptr);
+            ASSERT_TRUE(is_same(single, expected[k])) << "alone, ray " << k;
+        }
+    });
+    return static_cast<int>(std::ranges::count_if(expected, [](const RawHit& hit) { return hit.id != kEmptyChild; }));
+}
+
+std::vector<Affine> random_affines(int count, double scale_lo, double scale_hi, float translation, uint64_t seed) {
+    Rng rng(seed);
+    std::vector<Affine> maps;
+    for (int k = 0; k < count; ++k) maps.push_back(random_affine(rng, scale_lo, scale_hi, translation));
+    return maps;
+}
+
+}  // namespace zoe::test

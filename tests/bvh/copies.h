@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/bvh/traverse.h"
+#include "tests/bvh/inputs.h"
+
+namespace zoe::test {
+
+/// One mesh, placed many times, under a top level.
+class Copies {
+public:
+    /// box_scale  less than 1: the copies' boxes in the world hold only their middles, and cut off what stands out.
+    Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale = 1.0f);
+    /// blas       any tree over the mesh.
+    Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_local, float box_scale = 1.0f);
+    Copies(const Copies&) = delete;
+
+    const TwoLevels& levels() const { return levels_; }
+    const std::vector<PlacedBlas>& placed() const { return placed_; }
+
+    /// By trying every triangle of every copy.
+    RawHit brute_force(const Ray& ray) const;
+
+private:
+    void improve(const PlacedBlas& placed, const SlabRay& world, const Ray& ray, RawHit* best) const;
+
+    TestMesh mesh_;
+    Blas blas_;
+    WideBvh top_;
+    std::vector<PlacedBlas> placed_;
+    TwoLevels levels_;
+};
+
+/// Equal to the last bit.
+bool is_same(const RawHit& a, const RawHit& b);
+
+/// Batches find what brute force does, and so do single rays, with every instruction set.
+/// Returns    how many of the rays hit something.
+int expect_batches_right(const Copies& copies, const std::vector<Ray>& rays);
+
+std::vector<Affine> random_affines(int count, double scale_lo, double scale_hi, float translation, uint64_t seed);
+
+}  // namespace zoe::test
