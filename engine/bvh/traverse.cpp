@@ -61,7 +61,8 @@ const PlacedBlas* only_tree(const TwoLevels& scene) {
     const uint32_t* child = scene.top->nodes[0].child;
     if (child[0] == kEmptyChild || !is_leaf(child[0]) || child[1] != kEmptyChild) return nullptr;
     const PlacedBlas& placed = scene.instances[first_block(child[0])];
-    return placed.is_identity && !placed.blas->tree.nodes.empty() ? &placed : nullptr;
+    const bool is_whole = placed.start == 0 && !placed.blas->tree.nodes.empty();
+    return placed.is_identity && is_whole ? &placed : nullptr;
 }
 
 template <bool kIsAny, typename Finish>
@@ -85,7 +86,7 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
         walk.start(root, RawHit{.t = ray.t_max}, ray.t_min);
         if (walk.world.set(ray) && ray.t_min <= ray.t_max) {
             walk.is_in_instance = only != nullptr;
-            trace(walk, &scene);
+            trace(walk, &scene, 0);
         }
         finish(k, walk.hit, walk.is_found);
     };
@@ -96,7 +97,7 @@ HWY_INLINE void trace_all(const TwoLevels& scene, const Ray* rays, size_t count,
         PacketHits found;
         Packet world(&found), local(&found);
         for (; k + kPacketSize <= count; k += kPacketSize) {
-            if (set_packet(rays + k, extent, &world)) {
+            if (set_packet(rays + k, extent, scene.slack, &world)) {
                 trace_packet(scene, world, local, walk);
                 for (size_t n = 0; n < kPacketSize; ++n) {
                     finish(k + n, {found.t[n], found.u[n], found.v[n], found.id[n], found.primitive[n]},
@@ -132,7 +133,7 @@ bool hit_blas(const Blas& blas, const RayFrame& frame, float t_floor, float t_mi
     walk.is_in_instance = true;
     walk.world.set(frame);
     walk.start(blas.tree.nodes.data(), {hit->t, hit->u, hit->v, 0, hit->primitive}, t_min);
-    trace<kIsAny>(walk, nullptr);
+    trace<kIsAny>(walk, nullptr, 0);
     if (walk.is_found) *hit = {walk.hit.t, walk.hit.u, walk.hit.v, walk.hit.primitive};
     add(walk.counts, counts);
     return walk.is_found;

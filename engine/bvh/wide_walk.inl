@@ -91,18 +91,24 @@ HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed) {
     return true;
 }
 
-// Takes a ray from the root of `walk.nodes` to its end.
+// How much larger the boxes of the top level are to a ray, as they may be tight (see TwoLevels).
+HWY_INLINE float slack_of(const Space& world, const TwoLevels& scene) {
+    return scene.slack * std::max({std::abs(world.origin[0]), std::abs(world.origin[1]), std::abs(world.origin[2])});
+}
+
+// Takes a ray from a child of `walk.nodes` (0: the root) to its end.
 // scene      null where that is no top level.
 template <bool kIsAny>
-HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
+HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, uint32_t at) {
     Space* space = &walk.world;
-    BoxRay boxes(*space);
+    const float slack = walk.is_in_instance ? 0.0f : slack_of(*space, *scene);
+    BoxRay boxes(*space, slack);
     Stack stack = walk.stack;
     stack.keys[0] = 0;
     stack.children[0] = kDone;
     stack.size = 1;
     const WideNode* nodes = walk.nodes;
-    uint32_t at = 0, node_count = 0;
+    uint32_t node_count = 0;
     for (;;) {
         if (HWY_LIKELY(!is_leaf(at))) {
             ++node_count;
@@ -112,7 +118,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
         } else if (at == kLeave) {
             walk.is_in_instance = false;
             space = &walk.world;
-            boxes = BoxRay(*space);
+            boxes = BoxRay(*space, slack);
             nodes = scene->top->nodes.data();
         } else if (walk.is_in_instance) {
             test_leaf(walk, *space, at);
@@ -125,11 +131,9 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
                     stack.children[stack.size++] = kLeave;
                 }
                 nodes = walk.nodes;
-                at = 0;
-                if (!placed.is_identity) {
-                    space = &walk.local;
-                    boxes = BoxRay(*space);
-                }
+                at = placed.start;
+                if (!placed.is_identity) space = &walk.local;
+                boxes = BoxRay(*space);
                 continue;
             }
         }
@@ -154,7 +158,7 @@ HWY_INLINE void trace_one_by_one(const PlacedBlas& placed, uint32_t which, Packe
         walk.start(placed.blas->tree.nodes.data(),
                    {packet.t[k], packet.u[k], packet.v[k], packet.id[k], packet.primitive[k]}, packet.t_min[k]);
         walk.t_floor = packet.t_floor[k];
-        trace<kIsAny>(walk, nullptr);
+        trace<kIsAny>(walk, nullptr, placed.start);
         if (!walk.is_found) continue;
         packet.t[k] = kIsAny ? -1.0f : walk.hit.t;
         packet.u[k] = walk.hit.u;
@@ -246,8 +250,9 @@ HWY_INLINE void trace_packet(const TwoLevels& scene, Packet& world, Packet& loca
             }
             if (is_found) walk.set_limit();
         } else {
-            has_next = enter_instance(walk, scene.instances[first_block(at)]);
-            at = 0;
+            const PlacedBlas& placed = scene.instances[first_block(at)];
+            has_next = enter_instance(walk, placed);
+            at = placed.start;
         }
         if (has_next) continue;
         if (kIsAny && walk.limit < 0.0f) stack.size = walk.leave_size;  // No ray looks for more in this space.

@@ -19,13 +19,18 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+/// What the tree over the copies holds.
+enum class Top { kWholeBoxes, kTightBoxes, kParts };
+
 /// One mesh, placed many times.
 /// box_scale  Less than 1: the copies' boxes in the world hold only their middles, and cut off what stands out.
 class Copies {
 public:
-    Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale = 1.0f) : mesh_(std::move(mesh)) {
+    Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale = 1.0f, Top top = Top::kWholeBoxes)
+        : mesh_(std::move(mesh)) {
         build_blas(mesh_.positions, mesh_.corners, BlasBuilder::kSweep, &blas_);
         std::vector<Aabb> boxes;
+        std::vector<PlacedBlas> parts;
         std::vector<PlacedBlas> placed;
         for (const Affine& map : world_from_local) {
             const bool is_identity = map == Affine{};
@@ -38,13 +43,32 @@ public:
             // Lower ids last, so that ties are not broken by the order alone.
             one.id = static_cast<uint32_t>(world_from_local.size() - placed.size());
             placed.push_back(one);
-            boxes.push_back(one.bounds_world);
+            if (top == Top::kParts) {
+                const WideNode& root = blas_.tree.nodes[0];
+                for (int slot = 0; slot < kWidth && root.child[slot] != kEmptyChild; ++slot) {
+                    const Aabb part = root.box(slot);
+                    std::vector<glm::vec3> corners;
+                    for (int k = 0; k < 8; ++k) {
+                        corners.emplace_back(k & 1 ? part.hi.x : part.lo.x, k & 2 ? part.hi.y : part.lo.y,
+                                             k & 4 ? part.hi.z : part.lo.z);
+                    }
+                    parts.push_back(one);
+                    parts.back().start = root.child[slot];
+                    boxes.push_back(is_identity ? part : tight_box(map, corners));
+                }
+            } else {
+                parts.push_back(one);
+                boxes.push_back(top == Top::kTightBoxes && !is_identity ? tight_box(map, mesh_.positions)
+                                                                        : one.bounds_world);
+            }
         }
         std::vector<uint32_t> slots;
         CollapseScratch scratch;
         collapse(build_agglomerative(boxes, {}), {.block_size = 1, .max_leaf_blocks = 1}, &top_, &slots, &scratch);
-        for (const uint32_t slot : slots) placed_.push_back(placed[slot]);
-        levels_ = {&top_, placed_.data(), top_.stack_size() + blas_.tree.stack_size() + 1};
+        for (const uint32_t slot : slots) traced_.push_back(parts[slot]);
+        placed_ = std::move(placed);
+        levels_ = {&top_, traced_.data(), top_.stack_size() + blas_.tree.stack_size() + 1,
+                   top == Top::kWholeBoxes ? 0.0f : kTightSlack};
     }
     Copies(const Copies&) = delete;
 
@@ -63,6 +87,21 @@ public:
     }
 
 private:
+    // As TwoLevels asks for.
+    static Aabb tight_box(const Affine& map, std::span<const glm::vec3> points) {
+        glm::dvec3 lo(HUGE_VAL), hi(-HUGE_VAL);
+        for (const glm::vec3& p : points) {
+            const glm::dvec3 world = glm::dmat3(map.linear) * glm::dvec3(p) + glm::dvec3(map.translation);
+            lo = glm::min(lo, world);
+            hi = glm::max(hi, world);
+        }
+        double size = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            size = std::max({size, std::abs(lo[k]), std::abs(hi[k]), std::abs(double(map.translation[k]))});
+        }
+        return {glm::vec3(lo - size * kTightSlack), glm::vec3(hi + size * kTightSlack)};
+    }
+
     void improve(const PlacedBlas& placed, const SlabRay& world, const Ray& ray, RawHit* best) const {
         float t_floor = 0.0f;
         Ray local = ray;
@@ -84,7 +123,7 @@ private:
     TestMesh mesh_;
     Blas blas_;
     WideBvh top_;
-    std::vector<PlacedBlas> placed_;
+    std::vector<PlacedBlas> placed_, traced_;  // Copies; what the tree holds of them.
     TwoLevels levels_;
 };
 
@@ -157,6 +196,69 @@ TEST(Packets, GoThroughTurnedMirroredShearedAndScaledCopies) {
         const int hits = expect_batches_right(copies, rays);
         EXPECT_GT(hits, int(rays.size()) / 10);
         EXPECT_LT(hits, int(rays.size()));
+    }
+}
+
+// Rotations and shears of little spread, as TwoLevels asks for; axes of any size.
+std::vector<Affine> gentle_affines(int count, float translation, uint64_t seed) {
+    Rng rng(seed);
+    std::vector<Affine> maps;
+    for (int k = 0; k < count; ++k) {
+        Affine map{glm::mat3_cast(random_rotation(rng)), random_point(rng, translation)};
+        for (int axis = 0; axis < 3; ++axis) map.linear[axis] *= random_sign(rng) * log_uniform(rng, 0.3, 3.0);
+        maps.push_back(map);
+    }
+    return maps;
+}
+
+TEST(Packets, PartsOfCopiesGiveTheHitsOfTheWhole) {
+    for (const uint64_t seed : {211, 212, 213}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        std::vector<Affine> maps = gentle_affines(15, 15.0f, seed);
+        maps.push_back(Affine{});
+        for (const int triangle_count : {3, 150, 2000}) {
+            const Copies copies(random_soup(triangle_count, 2.0f, seed + 10), maps, 1.0f, Top::kParts);
+            const std::vector<Ray> rays = coherent_rays(copies, triangle_count > 1000 ? 20 : 80, seed + 20);
+            EXPECT_GT(expect_batches_right(copies, rays), 10) << triangle_count << " triangles";
+        }
+    }
+}
+
+// Rays that graze a copy where it reaches farthest: from afar, transforms round by more than its size times an ulp.
+TEST(Packets, TightBoxesCutNothingOff) {
+    for (const uint64_t seed : {221, 222, 223}) {
+        for (const float distance : {3.0f, 100.0f, 1e4f, 1e6f}) {
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << ", distance " << distance);
+            const std::vector<Affine> maps = gentle_affines(12, 20.0f, seed);
+            const Copies copies(random_soup(60, 2.0f, seed + 10), maps, 1.0f, Top::kTightBoxes);
+            Rng rng(seed + 20);
+            std::vector<Ray> rays;
+            for (const Affine& map : maps) {
+                for (int side = 0; side < 6; ++side) {
+                    const int axis = side % 3, along = (axis + 1 + int(rng.below(2))) % 3;
+                    glm::vec3 farthest(0.0f);
+                    float most = -kInf;
+                    for (const glm::uvec3& corners : copies.mesh().corners) {
+                        for (int k = 0; k < 3; ++k) {
+                            const glm::vec3 p = map.point(copies.mesh().positions[corners[k]]);
+                            const float reach = side < 3 ? p[axis] : -p[axis];
+                            if (reach > most) most = reach, farthest = p;
+                        }
+                    }
+                    for (int k = 0; k < 16; ++k) {
+                        Ray ray{.origin = farthest};
+                        const float size = std::max(std::abs(farthest[axis]), 0.1f * distance);
+                        ray.origin[axis] += 1e-7f * size * rng.uniform(-2.0f, 1.0f) * (side < 3 ? 1.0f : -1.0f);
+                        ray.origin[along] += distance;
+                        ray.direction = glm::vec3(0.0f);
+                        ray.direction[along] = -1.0f;
+                        if (k % 2 == 0) ray.direction += 1e-8f * random_direction(rng);
+                        rays.push_back(ray);
+                    }
+                }
+            }
+            EXPECT_GT(expect_batches_right(copies, rays), 10);
+        }
     }
 }
 
