@@ -32,14 +32,17 @@ struct Tlas {
     WideBvh tree;                            ///< As traversed: block k is placed[k].
     std::vector<PlacedBlas> placed;          ///< [instances] what the kernels read of them.
     size_t stack_size = 0;                   ///< Entries that a ray may have to keep, on both levels.
+    float slack = 0.0f;                      ///< See TwoLevels.
     std::vector<Instance> instances;         ///< In order of their nodes.
+    std::vector<Aabb> boxes;                 ///< [instances] what the tree is built over: each in bounds_world.
+    Aabb bounds_world;                       ///< Around those of all instances.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
     std::vector<uint32_t> slots;             ///< [instances] positions in `instances`, in order of `placed`.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }
-    Aabb bounds() const { return bvh.bounds(); }
-    TwoLevels levels() const { return {&tree, placed.data(), stack_size}; }
+    Aabb bounds() const { return bounds_world; }
+    TwoLevels levels() const { return {&tree, placed.data(), stack_size, slack}; }
 };
 
 }  // namespace zoe
