@@ -101,7 +101,9 @@ void choose_shown(const Scene& scene, FrameState* state) {
         if (is_shown[k]) tlas.instance_of_node[index(state->shapes[k].node)] = count++;
     }
     tlas.instances.resize(count);
-    tlas.boxes.resize(count);
+    // With room for parts of them.
+    tlas.parts.reserve(count + scene.placing.most_parts);
+    tlas.boxes.reserve(count + scene.placing.most_parts);
 }
 
 // To the last bit: what is worked out of 0 and -0 may differ.
@@ -142,6 +144,8 @@ bool update(const Scene& scene, const Shape& shape, const FrameState& state, con
 TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
     Tlas& tlas = state->tlas;
     TlasScratch& scratch = state->tlas_scratch;
+    tlas.parts.resize(tlas.instances.size());
+    tlas.boxes.resize(tlas.instances.size());
     scratch.parts.resize((state->shapes.size() + kGrain - 1) / kGrain);
     parallel_for(0, state->shapes.size(), kGrain, [&](size_t begin, size_t end) {
         TlasScratch::Part part{};
@@ -156,6 +160,9 @@ TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
             }
             Instance& instance = tlas.instances[at];
             if (!update(scene, shape, *state, summary, &instance, &tlas.boxes[at], &part)) part.is_shown_other = true;
+            if (instance.is_identity) tlas.boxes[at] = instance.bounds_world;  // Its parts' may have stood there.
+            tlas.parts[at] = {at, 0};
+            part.has_identity |= instance.is_identity;
             part.bounds_world.extend(instance.bounds_world);
             part.deepest = std::max(part.deepest, shape.blas->tree.stack_size());
         }
@@ -169,6 +176,21 @@ TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
         all.bounds_world.extend(part.bounds_world);
     }
     return all;
+}
+
+// Puts parts of large instances in their places. Returns whether the parts are other than in the last frame.
+bool open_largest(const Scene& scene, FrameState* state) {
+    TlasScratch& scratch = state->tlas_scratch;
+    const std::vector<Shape>& shapes = state->shapes;
+    scratch.identities.clear();
+    for (size_t k = 0; k < scratch.parts.size(); ++k) {
+        if (!scratch.parts[k].has_identity) continue;
+        for (size_t s = k * kGrain; s < std::min((k + 1) * kGrain, shapes.size()); ++s) {
+            const uint32_t at = state->tlas.instance_of_node[index(shapes[s].node)];
+            if (at != kNoInstance && state->tlas.instances[at].is_identity) scratch.identities.push_back(at);
+        }
+    }
+    return open_instances(scene.placing, scratch.identities, &state->tlas, &scratch.opening);
 }
 
 void warn_of_hidden(Scene& scene, const FrameState& state) {
@@ -194,12 +216,14 @@ void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
     tlas->placed.resize(tlas->slots.size());
     parallel_for(0, tlas->slots.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            if (k + kAhead < end) prefetch(tlas->instances[tlas->slots[k + kAhead]]);
-            const Instance& instance = tlas->instances[tlas->slots[k]];
+            if (k + kAhead < end) prefetch(tlas->instances[tlas->parts[tlas->slots[k + kAhead]].instance]);
+            const PlacedPart& part = tlas->parts[tlas->slots[k]];
+            const Instance& instance = tlas->instances[part.instance];
             tlas->placed[k] = {.local_from_world = instance.local_from_world,
                                .bounds_world = instance.bounds_world,
                                .blas = instance.blas,
                                .id = index(instance.node),
+                               .start = part.start,
                                .is_identity = instance.is_identity};
         }
     });
@@ -214,18 +238,19 @@ void build_tlas(Scene& scene, FrameState* state, FrameStats* stats) {
     // Most often the same nodes are shown as in the last frame.
     TlasScratch::Part all{.is_shown_other = true};
     if (was_valid) all = update_instances(scene, state);
-    const bool is_built = all.is_moved || all.is_shown_other;
+    bool is_built = all.is_moved || all.is_shown_other;
     if (all.is_shown_other) {
         measure_reaches(scene, state);
         choose_shown(scene, state);
         all = update_instances(scene, state);
     }
+    tlas.bounds_world = all.bounds_world;
+    is_built |= open_largest(scene, state);
     warn_of_hidden(scene, *state);
     if (is_built) build(scene.tlas_build, &tlas, &scratch);
     stats->tlas_builds += is_built;
     // One more: what brings the ray back from an instance.
     tlas.stack_size = tlas.tree.stack_size() + all.deepest + 1;
-    tlas.bounds_world = all.bounds_world;
     tlas.slack = scratch.is_reach_measured ? kTightSlack : 0.0f;
     scratch.is_valid = true;
 }
