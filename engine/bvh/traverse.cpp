@@ -76,7 +76,8 @@ const PlacedBlas* only_tree(const TwoLevels& scene) {
     const uint32_t* child = scene.top->nodes[0].child;
     if (child[0] == kEmptyChild || !is_leaf(child[0]) || child[1] != kEmptyChild) return nullptr;
     const PlacedBlas& placed = scene.instances[first_block(child[0])];
-    return placed.is_identity && !placed.blas->tree.nodes.empty() ? &placed : nullptr;
+    const bool is_whole = placed.start == 0 && !placed.blas->tree.nodes.empty();
+    return placed.is_identity && is_whole ? &placed : nullptr;
 }
 
 template <bool kIsAny, typename Finish>
@@ -95,9 +96,9 @@ HWY_INLINE void trace_one_by_one(const TwoLevels& scene, const Ray* rays, size_t
     for (size_t k = 0; k < count; ++k) {
         const Ray& ray = rays[k];
         walk.start(root, RawHit{.t = ray.t_max}, ray.t_min);
-        if (walk.world.set(ray) && ray.t_min <= ray.t_max) {
+        if (walk.world.set(ray, scene.slack) && ray.t_min <= ray.t_max) {
             walk.is_in_instance = only != nullptr;
-            trace(walk, &scene);
+            trace(walk, &scene, 0);
         }
         finish(k, walk.hit, walk.is_found);
     }
@@ -125,7 +126,7 @@ HWY_INLINE void trace_together(const TwoLevels& scene, const Ray* rays, size_t c
     size_t next_packet = 0;  // Rays before this one are not tried as packets.
     for (size_t k = 0; k < count;) {
         const size_t end = std::min(k + kPacketSize, count);
-        if (k >= next_packet && end - k == kPacketSize && set_packet(rays + k, extent, &world)) {
+        if (k >= next_packet && end - k == kPacketSize && set_packet(rays + k, extent, scene.slack, &world)) {
             finish_stream(k);
             const uint32_t blocks = trace_packet<kIsAny>(scene, world, local, memory.stack(), &stream, &work);
             if (blocks > kDenseBlocks) next_packet = end + kRaysAfterDense;
@@ -135,7 +136,7 @@ HWY_INLINE void trace_together(const TwoLevels& scene, const Ray* rays, size_t c
                        found.id[n] != kEmptyChild);
             }
         } else {
-            for (size_t n = k; n < end; ++n) stream.add(rays[n]);
+            for (size_t n = k; n < end; ++n) stream.add(rays[n], scene.slack);
             if (stream.size == kStreamSize) finish_stream(end);
         }
         k = end;
@@ -176,7 +177,7 @@ bool hit_blas(const Blas& blas, const RayFrame& frame, float t_floor, float t_mi
     walk.is_in_instance = true;
     walk.world.set(frame);
     walk.start(blas.tree.nodes.data(), {hit->t, hit->u, hit->v, 0, hit->primitive}, t_min);
-    trace<kIsAny>(walk, nullptr);
+    trace<kIsAny>(walk, nullptr, 0);
     if (walk.is_found) *hit = {walk.hit.t, walk.hit.u, walk.hit.v, walk.hit.primitive};
     add(walk.counts, counts);
     return walk.is_found;

@@ -28,15 +28,15 @@ constexpr uint32_t kSlotMask = kWidth - 1, kKeyMask = 0x7fffffffu & ~kSlotMask;
 struct BoxRay {
     explicit HWY_INLINE BoxRay(const Space& space) {
         const BoxTag d;
-        origin_x = hn::Set(d, space.origin[0]), origin_y = hn::Set(d, space.origin[1]),
-        origin_z = hn::Set(d, space.origin[2]);
+        first_x = hn::Set(d, space.first[0]), first_y = hn::Set(d, space.first[1]), first_z = hn::Set(d, space.first[2]);
+        last_x = hn::Set(d, space.last[0]), last_y = hn::Set(d, space.last[1]), last_z = hn::Set(d, space.last[2]);
         near_x = hn::Set(d, space.inverse[0]), near_y = hn::Set(d, space.inverse[1]), near_z = hn::Set(d, space.inverse[2]);
         far_x = hn::Set(d, space.far_inverse[0]), far_y = hn::Set(d, space.far_inverse[1]),
         far_z = hn::Set(d, space.far_inverse[2]);
         row_x = space.near_row[0], row_y = space.near_row[1], row_z = space.near_row[2];
     }
 
-    hn::Vec<BoxTag> origin_x, origin_y, origin_z, near_x, near_y, near_z, far_x, far_y, far_z;
+    hn::Vec<BoxTag> first_x, first_y, first_z, last_x, last_y, last_z, near_x, near_y, near_z, far_x, far_y, far_z;
     size_t row_x, row_y, row_z;
 };
 
@@ -48,12 +48,12 @@ struct Entered {
 HWY_INLINE Entered test_boxes(const WideNode& node, const BoxRay& ray, hn::Vec<BoxTag> limit, size_t lane) {
     const BoxTag d;
     const float* planes = &node.planes[0][0] + lane;
-    const auto near_x = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_x), ray.origin_x), ray.near_x);
-    const auto near_y = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_y), ray.origin_y), ray.near_y);
-    const auto near_z = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_z), ray.origin_z), ray.near_z);
-    const auto far_x = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_x ^ kWidth)), ray.origin_x), ray.far_x);
-    const auto far_y = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_y ^ kWidth)), ray.origin_y), ray.far_y);
-    const auto far_z = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_z ^ kWidth)), ray.origin_z), ray.far_z);
+    const auto near_x = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_x), ray.first_x), ray.near_x);
+    const auto near_y = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_y), ray.first_y), ray.near_y);
+    const auto near_z = hn::Mul(hn::Sub(hn::Load(d, planes + ray.row_z), ray.first_z), ray.near_z);
+    const auto far_x = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_x ^ kWidth)), ray.last_x), ray.far_x);
+    const auto far_y = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_y ^ kWidth)), ray.last_y), ray.far_y);
+    const auto far_z = hn::Mul(hn::Sub(hn::Load(d, planes + (ray.row_z ^ kWidth)), ray.last_z), ray.far_z);
     // A distance is the first operand: where it is NaN, the slab does not limit.
     const auto in = larger(near_z, larger(near_y, larger(near_x, hn::Zero(d))));
     const auto out = smaller(far_z, smaller(far_y, smaller(far_x, limit)));

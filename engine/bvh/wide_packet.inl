@@ -126,7 +126,8 @@ HWY_INLINE bool is_uniform(const Packet& space) {
 }
 
 // Works out all else from origins and directions. Returns false for rays that are better traced one by one, or must be.
-HWY_INLINE bool prepare(Packet* packet) {
+// slack      of TwoLevels, where these are rays in the world.
+HWY_INLINE bool prepare(Packet* packet, float slack = 0.0f) {
     Packet& p = *packet;
     glm::vec3 first;
     for (int axis = 0; axis < 3; ++axis) {
@@ -141,8 +142,14 @@ HWY_INLINE bool prepare(Packet* packet) {
     p.origin_spread = 0.0f;
     const RayTag d;
     const BoxTag box;
+    Range places[3];
+    float more = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
-        const Range origins = range_of(p.origin[axis]), directions = range_of(p.direction[axis]);
+        places[axis] = range_of(p.origin[axis]);
+        more = std::max({more, slack * std::abs(places[axis].low), slack * std::abs(places[axis].high)});
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const Range origins = places[axis], directions = range_of(p.direction[axis]);
         p.origin_spread = std::max(origins.high - origins.low, p.origin_spread);
         if (!(directions.high - directions.low <= kMaxDirectionSpread * first[p.kz])) return false;
         for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
@@ -151,8 +158,8 @@ HWY_INLINE bool prepare(Packet* packet) {
         // A reciprocal falls where what it is of rises, to the last bit.
         const Range inverses = {1.0f / directions.high, 1.0f / directions.low};
         p.boxes.row[axis] = (2 * axis + (p.is_negative[axis] ? 1 : 0)) * kWidth;
-        p.boxes.near_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins.low : origins.high);
-        p.boxes.far_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins.high : origins.low);
+        p.boxes.near_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins.low - more : origins.high + more);
+        p.boxes.far_origin[axis] = hn::Set(box, p.is_negative[axis] ? origins.high + more : origins.low - more);
         p.boxes.near_low[axis] = hn::Set(box, inverses.low);
         p.boxes.near_high[axis] = hn::Set(box, inverses.high);
         p.boxes.far_low[axis] = hn::Set(box, inverses.low * kCullPad);
@@ -183,7 +190,8 @@ HWY_INLINE bool go_apart(const Ray& a, const Ray& b) {
 
 // Reads sixteen rays. Returns false for those that are better traced one by one, or must be.
 // extent     of the scene.
-HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
+// slack      of TwoLevels.
+HWY_INLINE bool set_packet(const Ray* rays, float extent, float slack, Packet* packet) {
     if (go_apart(rays[0], rays[kPacketSize - 1])) return false;
     Packet& p = *packet;
     const RayTag d;
@@ -206,7 +214,7 @@ HWY_INLINE bool set_packet(const Ray* rays, float extent, Packet* packet) {
         for (float* values : {p.t_floor, p.u, p.v}) hn::Store(zero, d, values + lane);
         for (uint32_t* values : {p.id, p.primitive}) hn::Store(hn::Set(bits, kEmptyChild), bits, values + lane);
     }
-    return hn::AllTrue(d, has_ends) && prepare(packet) && is_narrow(p, extent);
+    return hn::AllTrue(d, has_ends) && prepare(packet, slack) && is_narrow(p, extent);
 }
 static_assert(sizeof(Ray) == 8 * sizeof(float) && offsetof(Ray, direction) == 3 * sizeof(float) &&
               offsetof(Ray, t_min) == 6 * sizeof(float));

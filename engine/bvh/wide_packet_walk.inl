@@ -111,8 +111,9 @@ HWY_INLINE uint32_t trace_packet(const TwoLevels& scene, Packet& world, Packet& 
             }
             if (is_found) walk.set_limit();
         } else {
-            has_next = enter_instance(walk, scene.instances[first_block(at)]);
-            at = 0;
+            const PlacedBlas& placed = scene.instances[first_block(at)];
+            has_next = enter_instance(walk, placed);
+            at = placed.start;
         }
         if (has_next) continue;
         if (kIsAny && walk.limit < 0.0f) stack.size = walk.leave_size;  // No ray looks for more in this space.

@@ -25,9 +25,10 @@ struct Stream {
         size = 0;
         looking = found = 0;
     }
-    HWY_INLINE void add(const Ray& ray) {
+    // slack      of TwoLevels.
+    HWY_INLINE void add(const Ray& ray, float slack) {
         const size_t k = size++;
-        const bool can_hit = world[k].set(ray) & (ray.t_min <= ray.t_max);
+        const bool can_hit = world[k].set(ray, slack) & (ray.t_min <= ray.t_max);
         hits[k] = {.t = ray.t_max};
         limit[k] = ray.t_max * kCullPad;
         t_min[k] = ray.t_min;
@@ -160,7 +161,7 @@ void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stre
     if (placed) go_into(*placed);
     StreamEntry* const bottom = stream->stack;
     StreamEntry* end = bottom;
-    *end++ = {0, 0, stream->looking};
+    *end++ = {placed ? placed->start : 0, 0, stream->looking};
     while (end != bottom && (!kIsAny || stream->looking != 0)) {
         --end;
         const uint32_t at = end->child;
@@ -184,7 +185,7 @@ void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stre
             const RaySet entered = enter_instance(instance, rays, stream);
             if (entered == 0) continue;
             *end++ = {kLeave, 0, 0};
-            *end++ = {0, 0, entered};
+            *end++ = {instance.start, 0, entered};
             go_into(instance);
         }
     }

@@ -92,10 +92,10 @@ HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed) {
     return true;
 }
 
-// Takes a ray from the root of `walk.nodes` to its end.
+// Takes a ray from a child of `walk.nodes` (0: the root) to its end.
 // scene      null where that is no top level.
 template <bool kIsAny>
-HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
+HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, uint32_t at) {
     Space* space = &walk.world;
     BoxRay boxes(*space);
     Stack stack = walk.stack;
@@ -103,7 +103,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
     stack.children[0] = kDone;
     stack.size = 1;
     const WideNode* nodes = walk.nodes;
-    uint32_t at = 0, node_count = 0;
+    uint32_t node_count = 0;
     for (;;) {
         if (HWY_LIKELY(!is_leaf(at))) {
             ++node_count;
@@ -126,7 +126,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene) {
                     stack.children[stack.size++] = kLeave;
                 }
                 nodes = walk.nodes;
-                at = 0;
+                at = placed.start;
                 if (!placed.is_identity) {
                     space = &walk.local;
                     boxes = BoxRay(*space);

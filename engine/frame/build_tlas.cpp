@@ -16,18 +16,26 @@ namespace {
 constexpr size_t kGrain = 512;
 constexpr size_t kAhead = 8;  // Instances that memory is asked for before their turn.
 
+bool is_shared(const Shape& shape) {
+    return shape.blas != &shape.own_blas;
+}
+
 // Looks at a BLAS once for all shapes in a row that show it.
 class BlasSummary {
 public:
-    void look_at(const Blas* blas) {
-        if (blas == blas_) return;
-        blas_ = blas;
-        bounds_ = blas->tree.bounds();
+    void look_at(const Shape& shape, const TlasScratch& scratch) {
+        if (shape.blas == blas_) return;
+        blas_ = shape.blas;
+        bounds_ = blas_->tree.bounds();
+        const bool is_measured = is_shared(shape) && !scratch.reaches.empty();
+        reach_ = is_measured ? scratch.reaches[index(shape.mesh)].get() : nullptr;
     }
     const Aabb& bounds() const { return bounds_; }
+    const Reach* reach() const { return reach_; }  // Null: not measured.
 
 private:
     const Blas* blas_ = nullptr;
+    const Reach* reach_ = nullptr;
     Aabb bounds_;
 };
 
@@ -55,6 +63,25 @@ bool can_be_hit(const Shape& shape, const FrameState& state, const Aabb& bounds_
     return place(&instance);
 }
 
+// Measures the trees that stay as they are and may be turned, once a scene.
+void measure_reaches(const Scene& scene, FrameState* state) {
+    TlasScratch& scratch = state->tlas_scratch;
+    if (!scene.placing.has_tight_boxes || scratch.is_reach_measured) return;
+    scratch.reaches.resize(scene.meshes.size());
+    for (const Shape& shape : state->shapes) {
+        std::unique_ptr<Reach>& reach = scratch.reaches[index(shape.mesh)];
+        const bool is_turned = shape.motion.frame != kNone<NodeId>;
+        if (is_shared(shape) && is_turned && !reach) reach = std::make_unique<Reach>();
+    }
+    parallel_for(0, scratch.reaches.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            const Blas& blas = state->shared_blases[k];
+            if (scratch.reaches[k] && !blas.tree.nodes.empty()) measure_reach(blas, scratch.reaches[k].get());
+        }
+    });
+    scratch.is_reach_measured = true;
+}
+
 // Finds out which shapes can be hit in this frame, and makes room for their instances, in order.
 void choose_shown(const Scene& scene, FrameState* state) {
     std::vector<uint8_t>& is_shown = state->tlas_scratch.is_shown;
@@ -63,7 +90,7 @@ void choose_shown(const Scene& scene, FrameState* state) {
         BlasSummary summary;
         for (size_t k = begin; k < end; ++k) {
             const Shape& shape = state->shapes[k];
-            summary.look_at(shape.blas);
+            summary.look_at(shape, state->tlas_scratch);
             is_shown[k] = can_be_hit(shape, *state, summary.bounds());
         }
     });
@@ -74,7 +101,9 @@ void choose_shown(const Scene& scene, FrameState* state) {
         if (is_shown[k]) tlas.instance_of_node[index(state->shapes[k].node)] = count++;
     }
     tlas.instances.resize(count);
-    state->tlas_scratch.bounds.resize(count);
+    // With room for parts of them.
+    tlas.parts.reserve(count + scene.placing.most_parts);
+    tlas.boxes.reserve(count + scene.placing.most_parts);
 }
 
 // To the last bit: what is worked out of 0 and -0 may differ.
@@ -84,10 +113,12 @@ bool is_same(const Floats& a, const Floats& b) {
     return std::memcmp(&a, &b, sizeof(Floats)) == 0;
 }
 
-// Brings an instance up to date. Its place is worked out anew only where what it follows from is other than it was.
+// Brings an instance up to date, and the box that the tree holds of it. They are worked out anew only where what they
+// follow from is other than it was.
 // Returns    false where it cannot be hit.
-bool update(const Scene& scene, const Shape& shape, const FrameState& state, const Aabb& bounds_local, Instance* instance,
-            TlasScratch::Part* part) {
+bool update(const Scene& scene, const Shape& shape, const FrameState& state, const BlasSummary& summary, Instance* instance,
+            Aabb* box, TlasScratch::Part* part) {
+    const Aabb& bounds_local = summary.bounds();
     const Affine& matrix = world_from_local(shape, state);
     const bool is_kept = instance->blas == shape.blas && instance->node == shape.node &&
                          is_same(instance->world_from_local, matrix) && is_same(instance->bounds_local, bounds_local);
@@ -101,28 +132,38 @@ bool update(const Scene& scene, const Shape& shape, const FrameState& state, con
     instance->bounds_local = bounds_local;
     instance->blas = shape.blas;
     instance->node = shape.node;
-    return place(instance);
+    if (!place(instance)) return false;
+    *box = instance->bounds_world;
+    if (summary.reach() && !instance->is_identity && scene.placing.has_tight_boxes) {
+        *box = tight_bounds(*summary.reach(), instance->world_from_local, instance->local_from_world, *box);
+    }
+    return true;
 }
 
 // Returns what holds for all of them together.
 TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
     Tlas& tlas = state->tlas;
     TlasScratch& scratch = state->tlas_scratch;
+    tlas.parts.resize(tlas.instances.size());
+    tlas.boxes.resize(tlas.instances.size());
     scratch.parts.resize((state->shapes.size() + kGrain - 1) / kGrain);
     parallel_for(0, state->shapes.size(), kGrain, [&](size_t begin, size_t end) {
         TlasScratch::Part part{};
         BlasSummary summary;
         for (size_t k = begin; k < end; ++k) {
             const Shape& shape = state->shapes[k];
-            summary.look_at(shape.blas);
+            summary.look_at(shape, scratch);
             const uint32_t at = tlas.instance_of_node[index(shape.node)];
             if (at == kNoInstance) {
                 if (can_be_hit(shape, *state, summary.bounds())) part.is_shown_other = true;
                 continue;
             }
             Instance& instance = tlas.instances[at];
-            if (!update(scene, shape, *state, summary.bounds(), &instance, &part)) part.is_shown_other = true;
-            scratch.bounds[at] = instance.bounds_world;
+            if (!update(scene, shape, *state, summary, &instance, &tlas.boxes[at], &part)) part.is_shown_other = true;
+            if (instance.is_identity) tlas.boxes[at] = instance.bounds_world;  // Its parts' may have stood there.
+            tlas.parts[at] = {at, 0};
+            part.has_identity |= instance.is_identity;
+            part.bounds_world.extend(instance.bounds_world);
             part.deepest = std::max(part.deepest, shape.blas->tree.stack_size());
         }
         scratch.parts[begin / kGrain] = part;
@@ -132,8 +173,24 @@ TlasScratch::Part update_instances(const Scene& scene, FrameState* state) {
         all.is_shown_other |= part.is_shown_other;
         all.is_moved |= part.is_moved;
         all.deepest = std::max(all.deepest, part.deepest);
+        all.bounds_world.extend(part.bounds_world);
     }
     return all;
+}
+
+// Puts parts of large instances in their places. Returns whether the parts are other than in the last frame.
+bool open_largest(const Scene& scene, FrameState* state) {
+    TlasScratch& scratch = state->tlas_scratch;
+    const std::vector<Shape>& shapes = state->shapes;
+    scratch.identities.clear();
+    for (size_t k = 0; k < scratch.parts.size(); ++k) {
+        if (!scratch.parts[k].has_identity) continue;
+        for (size_t s = k * kGrain; s < std::min((k + 1) * kGrain, shapes.size()); ++s) {
+            const uint32_t at = state->tlas.instance_of_node[index(shapes[s].node)];
+            if (at != kNoInstance && state->tlas.instances[at].is_identity) scratch.identities.push_back(at);
+        }
+    }
+    return open_instances(scene.placing, scratch.identities, &state->tlas, &scratch.opening);
 }
 
 void warn_of_hidden(Scene& scene, const FrameState& state) {
@@ -154,17 +211,19 @@ void prefetch(const Instance& instance) {
 
 // Builds the tree, and makes what rays walk through of it.
 void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
-    tlas->bvh = build_clusters(scratch->bounds, config, std::move(tlas->bvh), &scratch->clusters);
+    tlas->bvh = build_clusters(tlas->boxes, config, std::move(tlas->bvh), &scratch->clusters);
     collapse(tlas->bvh, {.block_size = 1, .max_leaf_blocks = 1}, &tlas->tree, &tlas->slots, &scratch->collapse);
     tlas->placed.resize(tlas->slots.size());
     parallel_for(0, tlas->slots.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            if (k + kAhead < end) prefetch(tlas->instances[tlas->slots[k + kAhead]]);
-            const Instance& instance = tlas->instances[tlas->slots[k]];
+            if (k + kAhead < end) prefetch(tlas->instances[tlas->parts[tlas->slots[k + kAhead]].instance]);
+            const PlacedPart& part = tlas->parts[tlas->slots[k]];
+            const Instance& instance = tlas->instances[part.instance];
             tlas->placed[k] = {.local_from_world = instance.local_from_world,
                                .bounds_world = instance.bounds_world,
                                .blas = instance.blas,
                                .id = index(instance.node),
+                               .start = part.start,
                                .is_identity = instance.is_identity};
         }
     });
@@ -179,16 +238,20 @@ void build_tlas(Scene& scene, FrameState* state, FrameStats* stats) {
     // Most often the same nodes are shown as in the last frame.
     TlasScratch::Part all{.is_shown_other = true};
     if (was_valid) all = update_instances(scene, state);
-    const bool is_built = all.is_moved || all.is_shown_other;
+    bool is_built = all.is_moved || all.is_shown_other;
     if (all.is_shown_other) {
+        measure_reaches(scene, state);
         choose_shown(scene, state);
         all = update_instances(scene, state);
     }
+    tlas.bounds_world = all.bounds_world;
+    is_built |= open_largest(scene, state);
     warn_of_hidden(scene, *state);
     if (is_built) build(scene.tlas_build, &tlas, &scratch);
     stats->tlas_builds += is_built;
     // One more: what brings the ray back from an instance.
     tlas.stack_size = tlas.tree.stack_size() + all.deepest + 1;
+    tlas.slack = scratch.is_reach_measured ? kTightSlack : 0.0f;
     scratch.is_valid = true;
 }
 

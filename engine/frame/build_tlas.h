@@ -26,20 +26,30 @@ struct Instance {
     std::span<const glm::vec3> normals;    ///< [vertex_count] or empty; not normalised, may be zero.
 };
 
+/// What a leaf of the top level holds.
+struct PlacedPart {
+    uint32_t instance;  ///< Position in Tlas::instances.
+    uint32_t start;     ///< A child's word in its tree; 0: all of it.
+};
+
 /// One tree over all instances of a frame. Valid until the next `advance` or edit of its scene.
 struct Tlas {
-    Bvh bvh;                                 ///< As built; primitives are positions in `instances`.
+    Bvh bvh;                                 ///< As built; primitives are positions in `parts`.
     WideBvh tree;                            ///< As traversed: block k is placed[k].
-    std::vector<PlacedBlas> placed;          ///< [instances] what the kernels read of them.
+    std::vector<PlacedBlas> placed;          ///< [parts] what the kernels read of them.
     size_t stack_size = 0;                   ///< Entries that a ray may have to keep, on both levels.
+    float slack = 0.0f;                      ///< See TwoLevels.
     std::vector<Instance> instances;         ///< In order of their nodes.
+    std::vector<PlacedPart> parts;           ///< Of each instance, then more of those that were opened.
+    std::vector<Aabb> boxes;                 ///< [parts] what the tree is built over: each in bounds_world.
+    Aabb bounds_world;                       ///< Around those of all instances.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
-    std::vector<uint32_t> slots;             ///< [instances] positions in `instances`, in order of `placed`.
+    std::vector<uint32_t> slots;             ///< [parts] positions in `parts`, in order of `placed`.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }
-    Aabb bounds() const { return bvh.bounds(); }
-    TwoLevels levels() const { return {&tree, placed.data(), stack_size}; }
+    Aabb bounds() const { return bounds_world; }
+    TwoLevels levels() const { return {&tree, placed.data(), stack_size, slack}; }
 };
 
 }  // namespace zoe

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "engine/bvh/blas.h"
 #include "engine/bvh/build_clusters.h"
+#include "engine/bvh/reach.h"
 #include "engine/frame/build_tlas.h"
 #include "engine/frame/classify.h"
+#include "engine/frame/open_instances.h"
 
 namespace zoe {
 
@@ -50,11 +53,17 @@ struct TlasScratch {
         bool is_shown_other;  ///< A shape that was shown can't be hit any more, or the other way round.
         bool is_moved;        ///< What the tree is built of is other than in the last frame.
         size_t deepest;       ///< Entries that a ray may have to keep in one of the BLASes.
+        Aabb bounds_world;    ///< Around all of them.
+        bool has_identity;    ///< Some of them stand in the world's space.
     };
     bool is_valid = false;  ///< The top level is whole: the last frame did not throw while it worked on it.
     std::vector<Part> parts;
     std::vector<uint8_t> is_shown;  ///< [shapes]
-    std::vector<Aabb> bounds;       ///< [instances] in the world.
+    /// [meshes] of the trees that are shared; null where they show up in the world's space only.
+    std::vector<std::unique_ptr<Reach>> reaches;
+    bool is_reach_measured = false;    ///< All that are not null are.
+    std::vector<uint32_t> identities;  ///< Instances that stand in the world's space.
+    OpeningScratch opening;
     PlocScratch clusters;
     CollapseScratch collapse;
 };

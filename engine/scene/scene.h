@@ -12,6 +12,7 @@
 
 #include "engine/bvh/build_auto.h"
 #include "engine/bvh/cluster_config.h"
+#include "engine/bvh/placing_config.h"
 #include "engine/deform/sample.h"
 #include "engine/math/affine.h"
 #include "engine/scene/error.h"
@@ -125,6 +126,7 @@ public:
     std::shared_ptr<TreeCache> tree_cache;
     AutoConfig tree_build;     ///< How much building all those trees may cost, looked at when the first frame is made.
     ClusterConfig tlas_build;  ///< How the top level is built in the frames from now on that need a new one.
+    PlacingConfig placing;     ///< How instances stand in it; looked at where they move.
 
     Node& operator[](NodeId id) { return nodes.at(index(id)); }
     const Node& operator[](NodeId id) const { return nodes.at(index(id)); }

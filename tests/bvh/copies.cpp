@@ -21,14 +21,30 @@ Blas swept(const TestMesh& mesh) {
     return blas;
 }
 
+// As TwoLevels asks for.
+Aabb tight_box(const Affine& map, std::span<const glm::vec3> points) {
+    glm::dvec3 lo(HUGE_VAL), hi(-HUGE_VAL);
+    for (const glm::vec3& p : points) {
+        const glm::dvec3 world = glm::dmat3(map.linear) * glm::dvec3(p) + glm::dvec3(map.translation);
+        lo = glm::min(lo, world);
+        hi = glm::max(hi, world);
+    }
+    double size = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        size = std::max({size, std::abs(lo[k]), std::abs(hi[k]), std::abs(double(map.translation[k]))});
+    }
+    return {glm::vec3(lo - size * kTightSlack), glm::vec3(hi + size * kTightSlack)};
+}
+
 }  // namespace
 
-Copies::Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale)
-    : Copies(mesh, swept(mesh), world_from_local, box_scale) {}
+Copies::Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale, Top top)
+    : Copies(mesh, swept(mesh), world_from_local, box_scale, top) {}
 
-Copies::Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_local, float box_scale)
+Copies::Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_local, float box_scale, Top top)
     : mesh_(std::move(mesh)), blas_(std::move(blas)) {
     std::vector<Aabb> boxes;
+    std::vector<PlacedBlas> parts;
     std::vector<PlacedBlas> placed;
     for (const Affine& map : world_from_local) {
         const bool is_identity = map == Affine{};
@@ -40,13 +56,31 @@ Copies::Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_l
         // Lower ids last, so that ties are not broken by the order alone.
         one.id = static_cast<uint32_t>(world_from_local.size() - placed.size());
         placed.push_back(one);
-        boxes.push_back(one.bounds_world);
+        if (top == Top::kParts) {
+            const WideNode& root = blas_.tree.nodes[0];
+            for (int slot = 0; slot < kWidth && root.child[slot] != kEmptyChild; ++slot) {
+                const Aabb part = root.box(slot);
+                std::vector<glm::vec3> corners;
+                for (int k = 0; k < 8; ++k) {
+                    corners.emplace_back(k & 1 ? part.hi.x : part.lo.x, k & 2 ? part.hi.y : part.lo.y,
+                                         k & 4 ? part.hi.z : part.lo.z);
+                }
+                parts.push_back(one);
+                parts.back().start = root.child[slot];
+                boxes.push_back(is_identity ? part : tight_box(map, corners));
+            }
+        } else {
+            parts.push_back(one);
+            boxes.push_back(top == Top::kTightBoxes && !is_identity ? tight_box(map, mesh_.positions) : one.bounds_world);
+        }
     }
     std::vector<uint32_t> slots;
     CollapseScratch scratch;
     collapse(build_agglomerative(boxes, {}), {.block_size = 1, .max_leaf_blocks = 1}, &top_, &slots, &scratch);
-    for (const uint32_t slot : slots) placed_.push_back(placed[slot]);
-    levels_ = {&top_, placed_.data(), top_.stack_size() + blas_.tree.stack_size() + 1};
+    for (const uint32_t slot : slots) traced_.push_back(parts[slot]);
+    placed_ = std::move(placed);
+    levels_ = {&top_, traced_.data(), top_.stack_size() + blas_.tree.stack_size() + 1,
+               top == Top::kWholeBoxes ? 0.0f : kTightSlack};
 }
 
 RawHit Copies::brute_force(const Ray& ray) const {

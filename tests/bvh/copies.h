@@ -7,17 +7,22 @@
 
 namespace zoe::test {
 
+/// What the tree over the copies holds.
+enum class Top { kWholeBoxes, kTightBoxes, kParts };
+
 /// One mesh, placed many times, under a top level.
 class Copies {
 public:
     /// box_scale  less than 1: the copies' boxes in the world hold only their middles, and cut off what stands out.
-    Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale = 1.0f);
+    Copies(TestMesh mesh, const std::vector<Affine>& world_from_local, float box_scale = 1.0f, Top top = Top::kWholeBoxes);
     /// blas       any tree over the mesh.
-    Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_local, float box_scale = 1.0f);
+    Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_local, float box_scale = 1.0f,
+           Top top = Top::kWholeBoxes);
     Copies(const Copies&) = delete;
 
     const TwoLevels& levels() const { return levels_; }
     const std::vector<PlacedBlas>& placed() const { return placed_; }
+    const TestMesh& mesh() const { return mesh_; }
 
     /// By trying every triangle of every copy.
     RawHit brute_force(const Ray& ray) const;
@@ -28,7 +33,7 @@ private:
     TestMesh mesh_;
     Blas blas_;
     WideBvh top_;
-    std::vector<PlacedBlas> placed_;
+    std::vector<PlacedBlas> placed_, traced_;  // Copies; what the tree holds of them.
     TwoLevels levels_;
 };
 

@@ -50,6 +50,69 @@ TEST(Packets, GoThroughTurnedMirroredShearedAndScaledCopies) {
     }
 }
 
+// Rotations and shears of little spread, as TwoLevels asks for; axes of any size.
+std::vector<Affine> gentle_affines(int count, float translation, uint64_t seed) {
+    Rng rng(seed);
+    std::vector<Affine> maps;
+    for (int k = 0; k < count; ++k) {
+        Affine map{glm::mat3_cast(random_rotation(rng)), random_point(rng, translation)};
+        for (int axis = 0; axis < 3; ++axis) map.linear[axis] *= random_sign(rng) * log_uniform(rng, 0.3, 3.0);
+        maps.push_back(map);
+    }
+    return maps;
+}
+
+TEST(Packets, PartsOfCopiesGiveTheHitsOfTheWhole) {
+    for (const uint64_t seed : {211, 212, 213}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        std::vector<Affine> maps = gentle_affines(15, 15.0f, seed);
+        maps.push_back(Affine{});
+        for (const int triangle_count : {3, 150, 2000}) {
+            const Copies copies(random_soup(triangle_count, 2.0f, seed + 10), maps, 1.0f, Top::kParts);
+            const std::vector<Ray> rays = coherent_rays(copies, triangle_count > 1000 ? 20 : 80, seed + 20);
+            EXPECT_GT(expect_batches_right(copies, rays), 10) << triangle_count << " triangles";
+        }
+    }
+}
+
+// Rays that graze a copy where it reaches farthest: from afar, transforms round by more than its size times an ulp.
+TEST(Packets, TightBoxesCutNothingOff) {
+    for (const uint64_t seed : {221, 222, 223}) {
+        for (const float distance : {3.0f, 100.0f, 1e4f, 1e6f}) {
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << ", distance " << distance);
+            const std::vector<Affine> maps = gentle_affines(12, 20.0f, seed);
+            const Copies copies(random_soup(60, 2.0f, seed + 10), maps, 1.0f, Top::kTightBoxes);
+            Rng rng(seed + 20);
+            std::vector<Ray> rays;
+            for (const Affine& map : maps) {
+                for (int side = 0; side < 6; ++side) {
+                    const int axis = side % 3, along = (axis + 1 + int(rng.below(2))) % 3;
+                    glm::vec3 farthest(0.0f);
+                    float most = -kInf;
+                    for (const glm::uvec3& corners : copies.mesh().corners) {
+                        for (int k = 0; k < 3; ++k) {
+                            const glm::vec3 p = map.point(copies.mesh().positions[corners[k]]);
+                            const float reach = side < 3 ? p[axis] : -p[axis];
+                            if (reach > most) most = reach, farthest = p;
+                        }
+                    }
+                    for (int k = 0; k < 16; ++k) {
+                        Ray ray{.origin = farthest};
+                        const float size = std::max(std::abs(farthest[axis]), 0.1f * distance);
+                        ray.origin[axis] += 1e-7f * size * rng.uniform(-2.0f, 1.0f) * (side < 3 ? 1.0f : -1.0f);
+                        ray.origin[along] += distance;
+                        ray.direction = glm::vec3(0.0f);
+                        ray.direction[along] = -1.0f;
+                        if (k % 2 == 0) ray.direction += 1e-8f * random_direction(rng);
+                        rays.push_back(ray);
+                    }
+                }
+            }
+            EXPECT_GT(expect_batches_right(copies, rays), 10);
+        }
+    }
+}
+
 TEST(Packets, FindNothingInFrontOfACopysBoxNorBesideIt) {
     const Copies copies(random_soup(150, 2.0f, 155), random_affines(20, 0.5, 2.0, 30.0f, 156), 0.4f);
     const std::vector<Ray> rays = coherent_rays(copies, 200, 157);

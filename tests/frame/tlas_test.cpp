@@ -38,16 +38,18 @@ std::vector<Hit> random_hits(const Tlas& tlas, uint64_t seed) {
 }
 
 void expect_valid(const Tlas& tlas) {
-    std::vector<Aabb> boxes;
-    for (const Instance& instance : tlas.instances) boxes.push_back(instance.bounds_world);
-    EXPECT_EQ(validate(tlas.bvh, boxes), "");
+    EXPECT_EQ(validate(tlas.bvh, tlas.boxes), "");
     EXPECT_EQ(validate(tlas.tree, tlas.placed.size()), "");
-    ASSERT_EQ(tlas.placed.size(), tlas.instances.size());
+    ASSERT_EQ(tlas.placed.size(), tlas.parts.size());
+    ASSERT_GE(tlas.parts.size(), tlas.instances.size());
     for (size_t k = 0; k < tlas.placed.size(); ++k) {
-        const Instance& instance = tlas.instances[tlas.slots[k]];
+        const PlacedPart& part = tlas.parts[tlas.slots[k]];
+        const Instance& instance = tlas.instances[part.instance];
+        EXPECT_EQ(tlas.placed[k].start, part.start);
         EXPECT_EQ(tlas.placed[k].local_from_world, instance.local_from_world);
         EXPECT_EQ(tlas.placed[k].id, index(instance.node));
-        EXPECT_EQ(tlas.instance_of_node[index(instance.node)], tlas.slots[k]);
+        EXPECT_EQ(tlas.instance_of_node[index(instance.node)], part.instance);
+        EXPECT_TRUE(instance.bounds_world.contains(tlas.boxes[tlas.slots[k]]));
     }
 }
 
@@ -81,6 +83,35 @@ TEST(Tlas, IsTheSameOnAnyNumberOfThreads) {
     set_thread_count(0);
     EXPECT_EQ(slots[1], slots[0]);
     EXPECT_EQ(slots[2], slots[0]);
+}
+
+TEST(Tlas, OpenedInstancesAndTightBoxesGiveTheSameHits) {
+    for (const char* name : {"default", "mixed-1", "static-2000", "rigid-100", "skinned-3", "topology-20", "deforming-40"}) {
+        Content whole = make_content(name);
+        whole.scene.placing = {.has_tight_boxes = false, .most_parts = 0};
+        for (const uint32_t most_parts : {0u, 7u, 256u, 5000u}) {
+            SCOPED_TRACE(::testing::Message() << name << ", most_parts " << most_parts);
+            Content opened = make_content(name);
+            opened.scene.placing = {.most_parts = most_parts, .least_share = most_parts > 256 ? 0.0f : 1.0f / 1024};
+            for (const double time_s : {0.0, 0.4, 1.3, 0.4}) {
+                for (Content* content : {&whole, &opened}) {
+                    if (content->write) content->write(content->scene, time_s);
+                }
+                const Tlas& expected = advance(whole.scene, time_s);
+                const Tlas& actual = advance(opened.scene, time_s);
+                EXPECT_EQ(expected.parts.size(), expected.instances.size());
+                EXPECT_LE(actual.parts.size(), actual.instances.size() + most_parts);
+                expect_valid(expected);
+                expect_valid(actual);
+                EXPECT_TRUE(actual.bounds().lo == expected.bounds().lo && actual.bounds().hi == expected.bounds().hi);
+                EXPECT_EQ(random_hits(actual, 420), random_hits(expected, 420)) << "seed 420, time " << time_s << " s";
+            }
+        }
+    }
+    Content content = make_content("mixed-1");
+    if (content.write) content.write(content.scene, 0.5);
+    const Tlas& tlas = advance(content.scene, 0.5);
+    EXPECT_GT(tlas.parts.size(), tlas.instances.size() + 200) << "nothing was opened";
 }
 
 bool is_built_at(Scene* scene, double time_s) {
@@ -126,6 +157,36 @@ Scene two_nodes() {
 
 bool is_seen(const Tlas& tlas, float x) {
     return bool(closest_hit(tlas, {.origin = {x, 0.25f, 5}, .direction = {0, 0, -1}}));
+}
+
+// Small triangles between two that hold the mesh's box where it is.
+std::vector<glm::vec3> row_at(float x) {
+    std::vector<glm::vec3> positions = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {10, 10, 0}, {9.9f, 10, 0}, {10, 9.9f, 0}};
+    for (int k = 0; k < 100; ++k) {
+        const glm::vec3 at(x + 0.01f * static_cast<float>(k), 5, 0);
+        positions.insert(positions.end(), {at, at + glm::vec3(0.02f, 0, 0), at + glm::vec3(0, 0.5f, 0)});
+    }
+    return positions;
+}
+
+TEST(Tlas, PartsFollowAMeshWhoseBoxStays) {
+    Scene scene = two_nodes();
+    Mesh mesh;
+    mesh.positions = row_at(1.0f);
+    for (uint32_t k = 0; k < mesh.positions.size(); k += 3) mesh.corners.emplace_back(k, k + 1, k + 2);
+    const std::vector<glm::uvec3> corners = mesh.corners;
+    const MeshId id = scene.add(std::move(mesh));
+    scene.add(Node{.mesh = id});
+    for (const float x : {1.0f, 7.0f, 4.0f, 4.0f, 1.0f}) {
+        scene.write_mesh(id, row_at(x), {}, corners);
+        const Tlas& tlas = advance(scene, 0.5);
+        EXPECT_GT(tlas.parts.size(), tlas.instances.size());
+        expect_valid(tlas);
+        for (const float at : {1.0f, 4.0f, 7.0f}) {
+            const Ray ray{.origin = {at + 0.505f, 5.1f, 5}, .direction = {0, 0, -1}};
+            EXPECT_EQ(bool(closest_hit(tlas, ray)), at == x) << at << " of " << x;
+        }
+    }
 }
 
 TEST(Tlas, FollowsWhatIsHiddenAndShownAgain) {
