@@ -83,7 +83,7 @@ void ClusterIndex::split(size_t begin, size_t middle, size_t end) {
 }
 
 void ClusterIndex::sum_up() {
-    rebuild_count_ = cluster_count_ / 3;
+    rebuild_count_ = cluster_count_ / 2;
     for (uint32_t slot = slot_count_; slot % kWidth != 0; ++slot) tree_.levels[0][slot / kWidth].clear(slot % kWidth);
     tree_.level_count = 0;
     for (uint32_t count = slot_count_; tree_.level_count == 0 || count > 1; ++tree_.level_count) {
@@ -146,9 +146,11 @@ void ClusterIndex::find_partner(uint32_t id, uint32_t guess) {
     // Most often a cluster loses its partner to a third one, and likes the two of them together best.
     const uint32_t last = partner_of_id_[id];
     if (guess == kNobody && last != kNobody && is_there(partner_of_id_[last])) guess = partner_of_id_[last];
+    const uint32_t slot = slot_of_id_[id];
+    const Aabb box = tree_.levels[0][slot / kWidth].box(slot % kWidth);  // It is looked at next; bounds(id) is far away.
     Partner partner;
-    if (guess != kNobody) partner = {zoe::merge(bounds(id), bounds(guess)).half_area(), guess};
-    partner_of_id_[id] = search_clusters(tree_, bounds(id), slot_of_id_[id], partner).id;
+    if (guess != kNobody) partner = {zoe::merge(box, bounds(guess)).half_area(), guess};
+    partner_of_id_[id] = search_clusters(tree_, box, slot, partner).id;
 }
 
 void ClusterIndex::find_partners() {

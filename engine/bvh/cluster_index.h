@@ -46,7 +46,7 @@ public:
     /// Replaces two clusters by their union.
     /// Requires   that neither was merged.
     /// Returns    its id: the next one.
-    /// Cost       O(log n), and O(n log n) each time that two thirds of the clusters are gone.
+    /// Cost       O(log n), and O(n log n) each time that half of the clusters are gone.
     uint32_t merge(uint32_t a, uint32_t b);
 
     struct Pair {
@@ -54,7 +54,7 @@ public:
     };
     /// The same, many at once; ids as if one by one.
     /// Requires   that no cluster is in two pairs.
-    /// Cost       O(n), and O(n log n) each time that two thirds of the clusters are gone.
+    /// Cost       O(n), and O(n log n) each time that half of the clusters are gone.
     void merge(std::span<const Pair> pairs);
 
 private:

@@ -1,7 +1,6 @@
 #include "engine/bvh/cluster_search.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 
 #include "engine/bvh/simd_targets.h"
@@ -37,6 +36,16 @@ struct OpenGroup {
         return least_area < other.least_area || (least_area == other.least_area && min_id < other.min_id);
     }
 };
+
+constexpr size_t kParts = kWidth / hn::MaxLanes(FloatTag());
+
+struct Areas {
+    Floats parts[kParts];
+};
+
+HWY_INLINE uint32_t lowest(uint32_t bits) {
+    return static_cast<uint32_t>(__builtin_ctz(bits));
+}
 
 // What floats leave is looked at exactly.
 class Search {
@@ -77,33 +86,34 @@ private:
 
     // Half the area of the least union with anything under each lane, in floats: five roundings of 2^-24 each from the exact
     // one, about; less than that where extents were cut; and of areas so small that floats are not, anything as small.
-    // Returns    the least.
     template <bool kIsLeaf>
-    HWY_INLINE float least_areas(const ClusterGroup& group, uint32_t skipped_lane, float* areas) const {
+    HWY_INLINE void find_areas(const ClusterGroup& group, uint32_t skipped_lane, Areas* areas) const {
         const FloatTag d;
-        const Floats infinity = hn::Set(d, std::numeric_limits<float>::infinity());
-        Floats least = infinity;
-        for (size_t k = 0; k < kWidth; k += hn::Lanes(d)) {
+        for (size_t j = 0; j < kParts; ++j) {
+            const size_t k = j * hn::MaxLanes(d);
             const Floats x = extent<kIsLeaf>(0, group, k), y = extent<kIsLeaf>(1, group, k);
             const Floats z = extent<kIsLeaf>(2, group, k);
             const Floats area = hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
             const auto lanes = hn::Iota(IdTag(), static_cast<uint32_t>(k));
             const auto is_skipped = hn::RebindMask(d, hn::Eq(lanes, hn::Set(IdTag(), skipped_lane)));
-            const Floats other = hn::IfThenElse(is_skipped, infinity, area);
-            hn::Store(other, d, areas + k);
-            least = hn::Min(least, other);
+            areas->parts[j] = hn::IfThenElse(is_skipped, hn::Set(d, std::numeric_limits<float>::infinity()), area);
         }
-        return hn::GetLane(hn::MinOfLanes(d, least));
+    }
+
+    static HWY_INLINE float least(const Areas& areas) {
+        Floats least = areas.parts[0];
+        for (size_t j = 1; j < kParts; ++j) least = hn::Min(least, areas.parts[j]);
+        return hn::GetLane(hn::MinOfLanes(FloatTag(), least));
     }
 
     // Which lanes are not above, as bits.
-    HWY_INLINE uint32_t not_above(float most, const float* areas) const {
+    static HWY_INLINE uint32_t not_above(float most, const Areas& areas) {
         const FloatTag d;
         uint32_t bits = 0;
-        for (size_t k = 0; k < kWidth; k += hn::Lanes(d)) {
+        for (size_t j = 0; j < kParts; ++j) {
             uint8_t some[8] = {};
-            hn::StoreMaskBits(d, hn::Le(hn::Load(d, areas + k), hn::Set(d, most)), some);
-            bits |= (uint32_t{some[0]} | uint32_t{some[1]} << 8) << k;
+            hn::StoreMaskBits(d, hn::Le(areas.parts[j], hn::Set(d, most)), some);
+            bits |= (uint32_t{some[0]} | uint32_t{some[1]} << 8) << (j * hn::MaxLanes(d));
         }
         return bits;
     }
@@ -151,25 +161,34 @@ private:
 
     HWY_INLINE void look_into_leaf(uint32_t k, uint32_t skipped_lane) {
         const ClusterGroup& group = tree_.levels[0][k];
-        alignas(64) float areas[kWidth];
-        const float least = least_areas<true>(group, skipped_lane, areas);
-        if (least > most_) return;
-        const auto first = static_cast<uint32_t>(__builtin_ctz(not_above(least, areas)));
-        take_if_better(group, first);
-        for (uint32_t bits = not_above(most_, areas) & ~(1u << first); bits != 0; bits &= bits - 1) {
-            take_if_better(group, static_cast<uint32_t>(__builtin_ctz(bits)));
+        Areas areas;
+        find_areas<true>(group, skipped_lane, &areas);
+        uint32_t bits = not_above(most_, areas);
+        if (bits == 0) return;
+        if ((bits & (bits - 1)) != 0) {
+            // The least one first: it leaves few of the others.
+            const uint32_t first = not_above(least(areas), areas);
+            take_if_better(group, lowest(first));
+            bits = not_above(most_, areas) & ~(first & (0 - first));
         }
+        for (; bits != 0; bits &= bits - 1) take_if_better(group, lowest(bits));
     }
 
     // Groups become open, the best on top.
     HWY_INLINE void look_into(uint32_t level, uint32_t k, uint32_t skipped_lane) {
         const ClusterGroup& group = tree_.levels[level][k];
-        alignas(64) float areas[kWidth];
-        least_areas<false>(group, skipped_lane, areas);
+        Areas areas;
+        find_areas<false>(group, skipped_lane, &areas);
+        uint32_t bits = not_above(most_, areas);
+        if (bits == 0) return;
+        alignas(64) float area_of_lane[kWidth];
+        for (size_t j = 0; j < kParts; ++j) {
+            hn::Store(areas.parts[j], FloatTag(), area_of_lane + j * hn::MaxLanes(FloatTag()));
+        }
         const uint32_t base = open_count_;
-        for (uint32_t bits = not_above(most_, areas); bits != 0; bits &= bits - 1) {
-            const auto lane = static_cast<uint32_t>(__builtin_ctz(bits));
-            const OpenGroup next{areas[lane], group.min_id[lane], level - 1, kWidth * k + lane};
+        for (; bits != 0; bits &= bits - 1) {
+            const uint32_t lane = lowest(bits);
+            const OpenGroup next{area_of_lane[lane], group.min_id[lane], level - 1, kWidth * k + lane};
             uint32_t at = open_count_++;
             for (; at > base && open_[at - 1].is_before(next); --at) open_[at] = open_[at - 1];
             open_[at] = next;
@@ -196,52 +215,6 @@ private:
     OpenGroup open_[kWidth * ClusterTree::kMaxLevels];
 };
 
-HWY_INLINE float max_of(const float* lanes) {
-    const FloatTag d;
-    auto most = hn::Load(d, lanes);
-    for (size_t k = hn::Lanes(d); k < kWidth; k += hn::Lanes(d)) most = hn::Max(most, hn::Load(d, lanes + k));
-    return hn::GetLane(hn::MaxOfLanes(d, most));
-}
-
-template <typename Tag, typename Number>
-HWY_INLINE Number min_of(Tag d, const Number* lanes) {
-    auto least = hn::Load(d, lanes);
-    for (size_t k = hn::Lanes(d); k < kWidth; k += hn::Lanes(d)) least = hn::Min(least, hn::Load(d, lanes + k));
-    return hn::GetLane(hn::MinOfLanes(d, least));
-}
-
-// Returns whether that changed anything.
-HWY_INLINE bool sum_up(const ClusterGroup& group, ClusterGroup* above, uint32_t lane) {
-    const uint32_t min_id = min_of(IdTag(), group.min_id);
-    bool is_changed = min_id != above->min_id[lane];
-    above->min_id[lane] = min_id;
-    const auto put = [&is_changed](float* to, float from) {
-        is_changed |= *to != from;
-        *to = from;
-    };
-    for (int axis = 0; axis < 3; ++axis) {
-        put(&above->max_lo[axis][lane], max_of(group.max_lo[axis]));
-        put(&above->min_hi[axis][lane], min_of(FloatTag(), group.min_hi[axis]));
-        put(&above->min_extent[axis][lane], min_of(FloatTag(), group.min_extent[axis]));
-    }
-    return is_changed;
-}
-
-void refit(const ClusterTree& tree, uint32_t slot) {
-    for (uint32_t level = 1, k = slot / kWidth; level < tree.level_count; ++level, k /= kWidth) {
-        if (!sum_up(tree.levels[level - 1][k], &tree.levels[level][k / kWidth], k % kWidth)) return;
-    }
-}
-
-void sum_up_all(const ClusterTree& tree, uint32_t slot_count) {
-    uint32_t count = slot_count;
-    for (uint32_t level = 1; level < tree.level_count; ++level) {
-        count = (count + kWidth - 1) / kWidth;
-        for (uint32_t k = 0; k < count; ++k) sum_up(tree.levels[level - 1][k], &tree.levels[level][k / kWidth], k % kWidth);
-        for (uint32_t k = count; k % kWidth != 0; ++k) tree.levels[level][k / kWidth].clear(k % kWidth);
-    }
-}
-
 Partner search(const ClusterTree& tree, const Aabb& box, uint32_t slot, const Partner& known) {
     return Search(tree, box, known).from(slot);
 }
@@ -255,45 +228,6 @@ HWY_AFTER_NAMESPACE();
 namespace zoe {
 
 HWY_EXPORT(search);
-HWY_EXPORT(refit);
-HWY_EXPORT(sum_up_all);
-
-namespace {
-
-// The largest float that is not above x, for x >= 0.
-float rounded_down(double x) {
-    const float rounded = static_cast<float>(x);
-    return double{rounded} > x ? std::bit_cast<float>(std::bit_cast<uint32_t>(rounded) - 1) : rounded;
-}
-
-}  // namespace
-
-void ClusterGroup::set(uint32_t lane, const Aabb& box, uint32_t id) {
-    for (int axis = 0; axis < 3; ++axis) {
-        max_lo[axis][lane] = box.lo[axis];
-        min_hi[axis][lane] = box.hi[axis];
-        min_extent[axis][lane] = rounded_down(double(box.hi[axis]) - box.lo[axis]);
-    }
-    min_id[lane] = id;
-}
-
-void ClusterGroup::clear(uint32_t lane) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        max_lo[axis][lane] = -kInfinity;
-        min_hi[axis][lane] = kInfinity;
-        min_extent[axis][lane] = kInfinity;
-    }
-    min_id[lane] = kNoPartner;
-}
-
-void refit_clusters(const ClusterTree& tree, uint32_t slot) {
-    HWY_DYNAMIC_DISPATCH(refit)(tree, slot);
-}
-
-void sum_up_clusters(const ClusterTree& tree, uint32_t slot_count) {
-    HWY_DYNAMIC_DISPATCH(sum_up_all)(tree, slot_count);
-}
 
 Partner search_clusters(const ClusterTree& tree, const Aabb& box, uint32_t slot, const Partner& known) {
     return HWY_DYNAMIC_DISPATCH(search)(tree, box, slot, known);
