@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <set>
 #include <tuple>
 
@@ -6,8 +9,11 @@
 
 #include "engine/bvh/build_agglomerative.h"
 #include "engine/bvh/build_sweep.h"
+#include "engine/math/parallel.h"
+#include "tests/bvh/each_target.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
+#include "tests/support/allocation_count.h"
 
 namespace zoe::test {
 namespace {
@@ -17,6 +23,7 @@ using LeafSet = std::set<uint32_t>;
 struct Greedy {
     std::set<LeafSet> clusters;  ///< Every cluster that was ever made, by its primitives.
     double area = 0.0;           ///< Half areas of all merges, summed.
+    bool has_ties = false;       ///< Some merge was as good as another of one of the two.
 };
 
 /// The definition, by trying every pair every time: O(n^3).
@@ -35,17 +42,24 @@ Greedy greedy(const std::vector<Aabb>& boxes) {
     auto next_id = static_cast<uint32_t>(boxes.size());
     while (open.size() > 1) {
         size_t best_a = 0, best_b = 0;
-        std::tuple<float, uint32_t, uint32_t> best{std::numeric_limits<float>::infinity(), 0xffffffffu, 0xffffffffu};
+        using Key = std::tuple<double, uint32_t, uint32_t>;
+        Key best{std::numeric_limits<double>::infinity(), 0xffffffffu, 0xffffffffu};
+        const auto key = [&open](size_t a, size_t b) {
+            return Key{merge(open[a].bounds, open[b].bounds).half_area(), std::min(open[a].id, open[b].id),
+                       std::max(open[a].id, open[b].id)};
+        };
         for (size_t a = 0; a < open.size(); ++a) {
             for (size_t b = a + 1; b < open.size(); ++b) {
-                const std::tuple key{merge(open[a].bounds, open[b].bounds).half_area(), std::min(open[a].id, open[b].id),
-                                     std::max(open[a].id, open[b].id)};
-                if (key < best) {
-                    best = key;
-                    best_a = a;
-                    best_b = b;
-                }
+                if (!(key(a, b) < best)) continue;
+                best = key(a, b);
+                best_a = a;
+                best_b = b;
             }
+        }
+        for (size_t k = 0; k < open.size(); ++k) {
+            if (k == best_a || k == best_b) continue;
+            result.has_ties |= std::get<0>(key(best_a, k)) == std::get<0>(best);
+            result.has_ties |= std::get<0>(key(best_b, k)) == std::get<0>(best);
         }
         Cluster merged{merge(open[best_a].bounds, open[best_b].bounds), open[best_a].leaves, next_id++};
         merged.leaves.insert(open[best_b].leaves.begin(), open[best_b].leaves.end());
@@ -76,23 +90,80 @@ Greedy of_tree(const Bvh& bvh) {
     return result;
 }
 
-TEST(Agglomerative, IsTheCubicGreedyOffTies) {
-    for (uint64_t seed = 101; seed < 121; ++seed) {
+Aabb about(Rng& rng, const glm::vec3& place, float size) {
+    Aabb box;
+    box.extend(place + random_point(rng, size));
+    box.extend(place + random_point(rng, size));
+    return box;
+}
+
+/// Of six kinds.
+std::vector<Aabb> small_scene(uint64_t seed) {
+    Rng rng(seed);
+    std::vector<Aabb> boxes;
+    const uint32_t count = 2 + rng.below(29);
+    for (uint32_t k = 0; k < count; ++k) {
+        switch (seed % 6) {
+            case 0:  // Uniform.
+                boxes.push_back(about(rng, random_point(rng, 10.0f), log_uniform(rng, 0.01, 5.0)));
+                break;
+            case 1: {  // Clustered.
+                Rng cluster(seed + k % 4);
+                boxes.push_back(about(rng, random_point(cluster, 100.0f) + random_point(rng, 3.0f), 0.5f));
+                break;
+            }
+            case 2:  // A stadium.
+                boxes.push_back(k == count / 2 ? about(rng, glm::vec3(0), 300.0f)
+                                               : about(rng, random_point(rng, 50.0f), 0.3f));
+                break;
+            case 3:  // Growing spacing.
+                boxes.push_back(about(rng, {std::pow(1.3f, float(k)), rng.uniform(), 0}, 0.2f));
+                break;
+            case 4: {  // A grid.
+                const glm::vec3 place(k % 3, k / 3 % 3, k / 9);
+                boxes.push_back({place, place + 0.5f});
+                break;
+            }
+            default:  // Coincident.
+                boxes.push_back({glm::vec3(-1), glm::vec3(2)});
+        }
+    }
+    return boxes;
+}
+
+TEST(Agglomerative, IsTheCubicGreedyOnAThousandScenes) {
+    int without_ties = 0;
+    for (uint64_t seed = 100'000; seed < 101'000; ++seed) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        const std::vector<Aabb> boxes = small_scene(seed);
+        const Greedy expected = greedy(boxes), actual = of_tree(build_agglomerative(boxes));
+        if (expected.has_ties) {
+            EXPECT_NEAR(actual.area, expected.area, 0.03 * expected.area);
+            continue;
+        }
+        ++without_ties;
+        ASSERT_EQ(actual.clusters, expected.clusters) << boxes.size() << " boxes";
+        EXPECT_NEAR(actual.area, expected.area, 1e-12 * expected.area);
+    }
+    EXPECT_GE(without_ties, 600);
+}
+
+// Enough of them for rounds.
+TEST(Agglomerative, IsTheCubicGreedyOffTiesInRounds) {
+    for (uint64_t seed = 101; seed < 105; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         Rng rng(seed);
         std::vector<Aabb> boxes;
-        for (uint32_t k = 0; k < 3 + 6 * (seed - 101); ++k) {
-            Aabb box;
-            const glm::vec3 place = random_point(rng, 10.0f);
-            const float size = log_uniform(rng, 0.01, 5.0);
-            box.extend(place + random_point(rng, size));
-            box.extend(place + random_point(rng, size));
-            boxes.push_back(box);
-        }
+        for (int k = 0; k < 260; ++k) boxes.push_back(about(rng, random_point(rng, 10.0f), log_uniform(rng, 0.1, 0.5)));
         const Greedy expected = greedy(boxes), actual = of_tree(build_agglomerative(boxes));
+        ASSERT_FALSE(expected.has_ties);
         EXPECT_EQ(actual.clusters, expected.clusters) << boxes.size() << " boxes";
-        EXPECT_NEAR(actual.area, expected.area, 1e-9 * expected.area);
     }
+}
+
+bool is_same_tree(const Bvh& a, const Bvh& b) {
+    return a.primitives == b.primitives && a.nodes.size() == b.nodes.size() &&
+           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
 }
 
 TEST(Agglomerative, StaysWithinOnePercentOfTheGreedyOnTies) {
@@ -134,6 +205,48 @@ TEST(Agglomerative, EndsWhereAreasOverflow) {
         boxes.push_back({glm::vec3(s, s, 0), glm::vec3(s, s, 0)});
     }
     EXPECT_EQ(validate(build_agglomerative(boxes), boxes), "");
+}
+
+TEST(Agglomerative, TakesNoBoxesAndOneAndTwo) {
+    const Aabb box{{-1, 0, 2}, {1, 3, 5}}, other{{4, 0, 2}, {5, 3, 5}};
+    for (const std::vector<Aabb>& boxes : {std::vector<Aabb>{}, {box}, {box, other}, {box, box}}) {
+        const Bvh bvh = build_agglomerative(boxes);
+        EXPECT_EQ(validate(bvh, boxes), "");
+        EXPECT_EQ(bvh.nodes.size(), boxes.empty() ? 0 : 2 * boxes.size() - 1);
+    }
+}
+
+TEST(AgglomerativeDeathTest, RefusesBoxesThatAreEmptyOrNotFinite) {
+    const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+    const Aabb good{{-1, 0, 2}, {1, 3, 5}};
+    for (const Aabb& bad : {Aabb{}, Aabb{{nan, 0, 0}, {1, 1, 1}}, Aabb{{0, 0, 0}, {1, nan, 1}},
+                            Aabb{{0, -infinity, 0}, {1, 1, 1}}, Aabb{{0, 0, 0}, {1, 1, infinity}}}) {
+        EXPECT_DEATH(build_agglomerative(std::vector<Aabb>{good, bad, good}), "is_proper");
+    }
+}
+
+TEST(Agglomerative, IsTheSameOnAnyNumberOfThreadsAndEveryInstructionSet) {
+    Rng rng(130);
+    std::vector<Aabb> boxes;
+    for (int k = 0; k < 5000; ++k) boxes.push_back(about(rng, random_point(rng, 10.0f), log_uniform(rng, 1e-3, 1.0)));
+    set_thread_count(1);
+    const Bvh expected = build_agglomerative(boxes);
+    for (const int threads : {2, 3, 7}) {
+        set_thread_count(threads);
+        EXPECT_TRUE(is_same_tree(build_agglomerative(boxes), expected)) << threads << " threads, seed 130";
+    }
+    set_thread_count(0);
+    on_each_target([&] { EXPECT_TRUE(is_same_tree(build_agglomerative(boxes), expected)) << "seed 130"; });
+}
+
+TEST(Agglomerative, AllocatesNothingTheSecondTime) {
+    set_thread_count(1);  // With more, the scheduler allocates its own tasks.
+    const std::vector<Aabb> boxes = random_soup(5000, 1.0f, 131).boxes(), others = random_soup(5000, 1.0f, 132).boxes();
+    Bvh bvh = build_agglomerative(others);
+    const size_t before = allocation_count();
+    bvh = build_agglomerative(boxes, std::move(bvh));
+    EXPECT_EQ(allocation_count() - before, 0u);
+    set_thread_count(0);
 }
 
 TEST(Agglomerative, PermutingTheBoxesPermutesTheTreeOnly) {

@@ -2,6 +2,7 @@
 
 #include "engine/bvh/cluster_index.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -152,7 +153,7 @@ bool is_same_tree(const Bvh& a, const Bvh& b) {
 TEST(ClusterIndex, FindsWhatALinearSearchFindsWhateverIsMerged) {
     uint64_t seed = 1000;
     for (const Distribution& distribution : distributions()) {
-        for (const uint32_t count : {2u, 3u, 4u, 5u, 16u, 17u, 65u, 150u}) {
+        for (const uint32_t count : {2u, 3u, 4u, 5u, 16u, 17u, 65u, 150u, 300u}) {
             SCOPED_TRACE(::testing::Message() << distribution.name << ", " << count << " boxes, seed " << ++seed);
             const Boxes boxes = boxes_of(distribution, count, seed);
             std::vector<ListedCluster> list;
@@ -181,11 +182,46 @@ TEST(ClusterIndex, FindsWhatALinearSearchFindsWhateverIsMerged) {
     }
 }
 
+TEST(ClusterIndex, FindsAllPartnersAtOnceWhateverIsMergedAtOnce) {
+    uint64_t seed = 1500;
+    for (const Distribution& distribution : distributions()) {
+        for (const uint32_t count : {2u, 17u, 290u}) {
+            SCOPED_TRACE(::testing::Message() << distribution.name << ", " << count << " boxes, seed " << ++seed);
+            const Boxes boxes = boxes_of(distribution, count, seed);
+            std::vector<ListedCluster> list;
+            for (uint32_t k = 0; k < count; ++k) list.push_back({boxes[k], k});
+            ClusterIndex index;
+            index.start(boxes);
+            Rng rng(seed + 100000);
+            uint32_t next_id = count;
+            while (list.size() > 1) {
+                index.find_partners();
+                for (size_t k = 0; k < list.size(); ++k) {
+                    ASSERT_EQ(index.partner(list[k].id), list[linear_best_partner(list, k)].id) << list.size();
+                }
+                std::vector<ClusterIndex::Pair> pairs;
+                for (uint32_t k = rng.below(uint32_t(list.size() / 2)) + 1; k > 0; --k) {
+                    const size_t a = rng.below(uint32_t(list.size() - 1));
+                    if (std::max(list[a].id, list.back().id) >= next_id) continue;  // Made in this round.
+                    pairs.push_back({list[a].id, list.back().id});
+                    list[a] = {merge(list[a].bounds, list.back().bounds), next_id + uint32_t(pairs.size() - 1)};
+                    list.pop_back();
+                    if (list.size() == 1) break;
+                }
+                index.merge(pairs);
+                next_id += uint32_t(pairs.size());
+                ASSERT_EQ(index.cluster_count(), list.size());
+            }
+        }
+    }
+}
+
 TEST(ClusterIndex, GivesTheTreeOfALinearSearchBitForBit) {
     uint64_t seed = 2000;
     Bvh tree;  // Its memory is used again and again, as is the index's.
     for (const Distribution& distribution : distributions()) {
-        for (const uint32_t count : {1u, 2u, 3u, 4u, 5u, 6u, 15u, 16u, 17u, 31u, 64u, 65u, 100u, 200u, 257u, 400u, 600u}) {
+        for (const uint32_t count :
+             {1u, 2u, 3u, 4u, 5u, 6u, 15u, 16u, 17u, 31u, 64u, 65u, 100u, 129u, 200u, 257u, 400u, 600u}) {
             SCOPED_TRACE(::testing::Message() << distribution.name << ", " << count << " boxes, seed " << ++seed);
             const Boxes boxes = boxes_of(distribution, count, seed);
             tree = build_agglomerative(boxes, std::move(tree));
@@ -226,7 +262,7 @@ TEST(ClusterIndex, TakesManyBoxesOfEveryKind) {
 
 TEST(ClusterIndex, MakesABalancedTreeOfCoincidentBoxes) {
     for (const float size : {0.0f, 1.0f}) {
-        const Boxes boxes(20000, Aabb{glm::vec3(-size), glm::vec3(size)});
+        const Boxes boxes(100'000, Aabb{glm::vec3(-size), glm::vec3(size)});
         const Bvh bvh = build_agglomerative(boxes);
         EXPECT_EQ(validate(bvh, boxes), "");
         EXPECT_LE(depth(bvh), int(std::bit_width(boxes.size())) + 1);

@@ -22,18 +22,45 @@ size_t linear_best_partner(std::span<const ListedCluster> list, size_t position)
     return partner;
 }
 
+namespace {
+
+struct Union {
+    Aabb bounds;
+    uint32_t left = 0, right = 0;
+};
+
+/// Merges all that are each other's best, by the lower id.
+/// Returns    how many pairs.
+size_t merge_mutual(std::vector<ListedCluster>* list, std::vector<Union>* made) {
+    std::vector<size_t> partners;
+    for (size_t k = 0; k < list->size(); ++k) partners.push_back(linear_best_partner(*list, k));
+    std::vector<ListedCluster> rest, unions;
+    for (size_t a = 0; a < list->size(); ++a) {
+        const size_t b = partners[a];
+        if (partners[b] != a) rest.push_back((*list)[a]);
+        if (partners[b] != a || b < a) continue;
+        made->push_back({merge((*list)[a].bounds, (*list)[b].bounds), (*list)[a].id, (*list)[b].id});
+        unions.push_back({made->back().bounds, static_cast<uint32_t>(made->size() - 1)});
+    }
+    *list = rest;
+    list->insert(list->end(), unions.begin(), unions.end());
+    return unions.size();
+}
+
+}  // namespace
+
 Bvh linear_clustering(std::span<const Aabb> boxes) {
     Bvh bvh;
     if (boxes.empty()) return bvh;
-    struct Union {
-        Aabb bounds;
-        uint32_t left = 0, right = 0;
-    };
-    std::vector<ListedCluster> list;
-    std::vector<Union> made;  // [id], boxes too.
+    std::vector<ListedCluster> list;  // By rising id, while there are rounds.
+    std::vector<Union> made;          // [id], boxes too.
     for (const Aabb& box : boxes) {
         list.push_back({box, static_cast<uint32_t>(list.size())});
         made.push_back({box});
+    }
+    while (list.size() > 128) {
+        const size_t before = list.size();
+        if (16 * merge_mutual(&list, &made) < before) break;
     }
     size_t a = 0;
     while (list.size() > 1) {
