@@ -1,0 +1,37 @@
+#include "apps/chart/charts.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "apps/common/usage_error.h"
+
+namespace zoe::chart {
+namespace {
+
+constexpr std::array kCharts = {
+    ChartInfo{"tlas", "What does a tree over moving instances cost to build, and its rays to trace?", tlas},
+};
+
+}  // namespace
+
+std::span<const ChartInfo> charts() {
+    return kCharts;
+}
+
+const ChartInfo& find_chart(const std::string& name) {
+    const auto found = std::ranges::find_if(kCharts, [&](const ChartInfo& chart) { return name == chart.name; });
+    if (found != kCharts.end()) return *found;
+    std::string names;
+    for (const ChartInfo& chart : kCharts) names += fmt::format("{}{}", names.empty() ? "" : ", ", chart.name);
+    throw UsageError(fmt::format("{}: no such chart; there are {}", name, names));
+}
+
+std::string list_charts() {
+    std::string text;
+    for (const ChartInfo& chart : kCharts) text += fmt::format("  {:<13}{}\n", chart.name, chart.question);
+    return text;
+}
+
+}  // namespace zoe::chart
