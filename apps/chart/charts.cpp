@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::array kCharts = {
     ChartInfo{"tlas", "What does a tree over moving instances cost to build, and its rays to trace?", tlas},
+    ChartInfo{"builders", "What does a better tree of triangles cost, and how much faster are its rays?", builders},
+    ChartInfo{"pays-off", "After how many rays has a better tree earned its build?", pays_off},
 };
 
 }  // namespace

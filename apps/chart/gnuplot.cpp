@@ -69,10 +69,12 @@ bool has_default(const Panel& panel) {
 
 /// "0.001", "1,000", "1e7".
 std::string short_tick(double number) {
-    if (number >= 1e6 || number < 1e-4) return fmt::format("{:.0e}", number);
-    return number >= 1000.0
-               ? fmt::format("{:.0f},{:03d}", std::floor(number / 1000.0), static_cast<int>(std::fmod(number, 1000.0)))
-               : fmt::format("{:g}", number);
+    if (number >= 1e6 || number < 1e-3) {
+        const int exponent = static_cast<int>(std::floor(std::log10(number) + 1e-9));
+        return fmt::format("{:.0f}e{}", number / std::pow(10.0, exponent), exponent);
+    }
+    return number >= 1000.0 ? fmt::format("{:.0f},{:03.0f}", std::floor(number / 1000.0), std::fmod(number, 1000.0))
+                            : fmt::format("{:g}", number);
 }
 
 std::string axis(char letter, const Axis& axis, const Scale& scale) {
@@ -170,7 +172,7 @@ std::string gnuplot_program(const Chart& chart) {
         "\ndo for [form in \"svg png\"] {{\nreset\nif (form eq \"svg\") {{\n    set terminal svg {0}\n"
         "    set output svg\n}} else {{\n    set terminal pngcairo {0}\n    set output png\n}}\n",
         look);
-    text += "set format '%g'\nset grid xtics ytics lc rgb '#e4e4e4' lw 0.5\nunset key\n";
+    text += "set format '%g'\nset grid xtics ytics lc rgb '#d8d8d8' lw 0.7\nunset key\n";
     text += labels_program(chart, layout) + "set multiplot\n";
     for (size_t k = 0; k < chart.panels.size(); ++k) {
         text += panel_program(chart, k, layout);

@@ -18,14 +18,15 @@ int ceiling(int count, int by) {
     return (count + by - 1) / by;
 }
 
-/// 1, 2 and 5 times powers of ten, or those alone where there are many.
+/// 1, 2 and 5 times powers of ten; those alone where there are many, every other one where there are very many.
 std::vector<double> log_ticks(double begin, double end) {
     std::vector<double> ticks;
-    const bool are_many = std::log10(end / begin) > 2.0;
-    for (double power = std::pow(10.0, std::floor(std::log10(begin))); power <= end; power *= 10.0) {
+    const double decades = std::log10(end / begin);
+    const int first = static_cast<int>(std::floor(std::log10(begin))), step = decades > 5.0 ? 2 : 1;
+    for (int exponent = first - (first & 1); exponent <= std::log10(end); exponent += step) {
         for (const double digit : {1.0, 2.0, 5.0}) {
-            const double tick = digit * power;
-            if (tick >= begin && tick <= end && (digit == 1.0 || !are_many)) ticks.push_back(tick);
+            const double tick = digit * std::pow(10.0, exponent);
+            if (tick >= begin && tick <= end && (digit == 1.0 || decades <= 2.0)) ticks.push_back(tick);
         }
     }
     return ticks;

@@ -39,7 +39,9 @@ Work work_of_rays(const TwoLevels& levels, std::span<const Ray> rays) {
 std::string short_number(double number) {
     if (number == 0.0) return "0";
     const double size = std::abs(number);
-    if (size >= 1e7 || size < 1e-4) return fmt::format("{:.2e}", number);
+    if (size >= 1e12 || size < 1e-4) return fmt::format("{:.2e}", number);
+    if (size >= 1e9) return short_number(number / 1e9) + " billion";
+    if (size >= 1e6) return short_number(number / 1e6) + " million";
     if (size >= 1000.0) {
         const std::string digits = fmt::format("{:.0f}", size);
         std::string grouped = number < 0.0 ? "-" : "";
@@ -51,11 +53,6 @@ std::string short_number(double number) {
     }
     const int decimals = std::max(0, 2 - static_cast<int>(std::floor(std::log10(size))));
     return fmt::format("{:.{}f}", number, decimals);
-}
-
-std::string compared(double a, double b) {
-    const double percent = 100.0 * (a / b - 1.0);
-    return fmt::format("{:.1f} % {} than", std::abs(percent), percent < 0.0 ? "less" : "more");
 }
 
 }  // namespace zoe::chart

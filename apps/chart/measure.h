@@ -21,10 +21,7 @@ struct Work {
 };
 Work work_of_rays(const TwoLevels& levels, std::span<const Ray> rays);
 
-/// "3.2", "0.013", "1,230": three digits that count.
+/// "3.21", "0.0131", "1,230", "15.2 million": three digits or more that count.
 std::string short_number(double number);
-
-/// How much more `a` is than `b`: "4.2 % more than", "1.3 % less than".
-std::string compared(double a, double b);
 
 }  // namespace zoe::chart
