@@ -13,6 +13,8 @@ namespace zoe::chart {
 Chart tlas(Sweep& sweep);
 Chart builders(Sweep& sweep);
 Chart pays_off(Sweep& sweep);
+Chart triangle(Sweep& sweep);
+Chart far(Sweep& sweep);
 
 struct ChartInfo {
     const char* name;

@@ -117,8 +117,9 @@ std::string panel_program(const Chart& chart, size_t index, const Layout& layout
         plots.push_back(fmt::format("{} using 1:4:2:3:5:6 with xyerrorbars pt 0 lw 1 {} notitle", name, look));
         plots.push_back(fmt::format("{} using 1:4 with points pt {} ps 1.3 {} notitle", name, style.shape, look));
         if (panel.has_labels) {
-            plots.push_back(fmt::format("{} using 1:4:7 with labels left offset 0.9,0.5 font ',8' tc rgb '#{:06x}' notitle",
-                                        name, style.colour));
+            // Above and below in turn, as neighbours' labels are long.
+            plots.push_back(fmt::format("{} using 1:4:7 with labels center offset 0,{} font ',8' tc rgb '#{:06x}' notitle",
+                                        name, k % 2 ? -0.9 : 0.9, style.colour));
         }
     }
     if (has_default(panel)) plots.push_back(fmt::format("$default{} using 1:4 with points {} notitle", index, kDefaultLook));

@@ -32,7 +32,7 @@ std::vector<double> log_ticks(double begin, double end) {
     return ticks;
 }
 
-Scale scale(const Panel& panel, const Axis& axis, Spread Point::*of_point) {
+Scale scale(const Panel& panel, const Axis& axis, Spread Point::*of_point, double room_share) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Series& series : panel.series) {
         for (const Point& point : series.points) {
@@ -42,10 +42,10 @@ Scale scale(const Panel& panel, const Axis& axis, Spread Point::*of_point) {
     }
     if (low > high) return {.begin = 1.0, .end = 10.0, .ticks = {}};
     if (axis.is_log) {
-        const double room = std::max(std::pow(high / low, 0.07), 1.1);
+        const double room = std::max(std::pow(high / low, room_share), 1.1);
         return {.begin = low / room, .end = high * room, .ticks = log_ticks(low / room, high * room)};
     }
-    const double room = std::max(0.07 * (high - low), 1e-3 * std::max(std::abs(low), std::abs(high)));
+    const double room = std::max(room_share * (high - low), 1e-3 * std::max(std::abs(low), std::abs(high)));
     // What cannot be negative does not look as if it could.
     return {.begin = low >= 0.0 ? std::max(0.0, low - room) : low - room, .end = high + std::max(room, 1e-9), .ticks = {}};
 }
@@ -53,10 +53,10 @@ Scale scale(const Panel& panel, const Axis& axis, Spread Point::*of_point) {
 }  // namespace
 
 Scale x_scale(const Panel& panel) {
-    return scale(panel, panel.x, &Point::x);
+    return scale(panel, panel.x, &Point::x, panel.has_labels ? 0.35 : 0.07);
 }
 Scale y_scale(const Panel& panel) {
-    return scale(panel, panel.y, &Point::y);
+    return scale(panel, panel.y, &Point::y, panel.has_labels ? 0.12 : 0.07);
 }
 
 std::vector<std::string> wrap(const std::string& text, size_t width) {

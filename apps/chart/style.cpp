@@ -43,7 +43,19 @@ constexpr std::array kStyles = {
     Style{"fast (radius 8)", kVermilion, kDownward, true},
     Style{"fast (radius 32)", kVermilion, kOpenDownward, true},
     Style{"build_tlas, whole", kBlack, kOpenCircle, true},
+    // Triangle tests.
+    Style{"ours", kGreen, kCircle, false},
+    Style{"Moeller-Trumbore", kOrange, kSquare, false},
+    Style{"Woop, in float", kSkyBlue, kTriangle, false},
+    // Where vertices are placed.
+    Style{"instanced", kBlue, kCircle, true},
+    Style{"instanced, turned", kBlue, kOpenCircle, true},
+    Style{"baked", kOrange, kSquare, true},
     // Peers.
+    Style{"Embree fast", kGrey, kPlus, true, true},
+    Style{"Embree robust", kGrey, kStar, true, true},
+    Style{"Embree, instances", kGrey, kStar, true, true},
+    Style{"Embree, one scene", kGrey, kPlus, true, true},
     Style{"Embree LOW", kGrey, kPlus, true, true},
     Style{"Embree MEDIUM", kGrey, kStar, true, true},
     Style{"Embree HIGH", kGrey, kOpenDiamond, true, true},
