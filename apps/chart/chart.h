@@ -21,6 +21,7 @@ struct Axis {
     std::string unit;  ///< Empty: a plain number.
     bool is_log = false;
     bool is_more_better = false;
+    bool is_whole = false;  ///< Of whole numbers, few enough to have a tick each.
 
     std::string title() const { return unit.empty() ? name : name + " [" + unit + "]"; }
 };

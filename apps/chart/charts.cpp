@@ -16,6 +16,8 @@ constexpr std::array kCharts = {
     ChartInfo{"pays-off", "After how many rays has a better tree earned its build?", pays_off},
     ChartInfo{"triangle", "What does a triangle test cost that misses no edge, and how exact is its t?", triangle},
     ChartInfo{"far", "How far from the origin do rays still hit what they should?", far},
+    ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
+    ChartInfo{"threads", "What does each stage of a frame gain from more threads?", threads},
 };
 
 }  // namespace

@@ -15,6 +15,8 @@ Chart builders(Sweep& sweep);
 Chart pays_off(Sweep& sweep);
 Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);
+Chart degradation(Sweep& sweep);
+Chart threads(Sweep& sweep);
 
 struct ChartInfo {
     const char* name;

@@ -80,7 +80,7 @@ std::string short_tick(double number) {
 std::string axis(char letter, const Axis& axis, const Scale& scale) {
     std::string text = fmt::format("{0} logscale {1}\nset {1}label {2}\nset {1}range [{3}:{4}]\n",
                                    axis.is_log ? "set" : "unset", letter, quoted(axis.title()), scale.begin, scale.end);
-    if (!axis.is_log) return text + fmt::format("set {}tics autofreq\n", letter);
+    if (!axis.is_log) return text + fmt::format("set {}tics {}\n", letter, axis.is_whole ? "1" : "autofreq");
     std::vector<std::string> ticks;
     for (const double tick : scale.ticks) ticks.push_back(fmt::format("{} {}", quoted(short_tick(tick)), tick));
     return text + fmt::format("set {}tics ({})\n", letter, joined(ticks, ", "));

@@ -51,6 +51,18 @@ constexpr std::array kStyles = {
     Style{"instanced", kBlue, kCircle, true},
     Style{"instanced, turned", kBlue, kOpenCircle, true},
     Style{"baked", kOrange, kSquare, true},
+    // Motions.
+    Style{"ripple", kBlue, kCircle, true},
+    Style{"walk", kGreen, kTriangle, true},
+    Style{"twist", kOrange, kSquare, true},
+    Style{"explosion", kVermilion, kDiamond, true},
+    // Stages of a frame.
+    Style{"ideal", kGrey, 0, true},
+    Style{"animate", kSkyBlue, kOpenTriangle, true},
+    Style{"deform", kPurple, kOpenSquare, true},
+    Style{"update_blas", kOrange, kOpenDiamond, true},
+    Style{"build_tlas", kVermilion, kDownward, true},
+    Style{"trace", kBlack, kCircle, true},
     // Peers.
     Style{"Embree fast", kGrey, kPlus, true, true},
     Style{"Embree robust", kGrey, kStar, true, true},
