@@ -130,15 +130,12 @@ BlasBuilder default_builder(Motion motion, uint64_t triangle_count) {
     throw std::logic_error("no such motion class");
 }
 
-std::vector<MeshSubject> mesh_subjects(bool is_quick) {
-    if (is_quick) {
-        return {{"static-100000", Motion::kStatic, 192},
-                {"deforming-150", Motion::kDeforming, 192},
-                {"arbitrary-20000", Motion::kArbitrary, 384}};
-    }
-    return {{"static-1000000", Motion::kStatic, 512},
-            {"deforming-500", Motion::kDeforming, 512},
-            {"arbitrary-100000", Motion::kArbitrary, 512}};
+std::vector<MeshSubject> mesh_subjects(const Settings& settings) {
+    return {
+        {settings.pick("static-3000", "static-100000", "static-1000000"), Motion::kStatic, settings.pick(32, 192, 512)},
+        {settings.pick("deforming-20", "deforming-150", "deforming-500"), Motion::kDeforming, settings.pick(32, 192, 512)},
+        {settings.pick("arbitrary-1000", "arbitrary-20000", "arbitrary-100000"), Motion::kArbitrary,
+         settings.pick(32, 384, 512)}};
 }
 
 MeshSample sample_mesh(const MeshSubject& subject) {
@@ -153,7 +150,7 @@ MeshSample sample_mesh(const MeshSubject& subject) {
 
 std::vector<MeasuredTree> measure_trees(const MeshSample& sample, const std::vector<Builder>& builders,
                                         const Settings& settings) {
-    const int rounds = settings.is_quick ? 5 : 9;
+    const int rounds = settings.pick(3, 5, 9);
     const WorldMesh& mesh = sample.mesh;
     std::vector<OurTree> trees(builders.size());
     std::vector<std::unique_ptr<PeerTree>> peers;

@@ -47,7 +47,7 @@ struct MeshSubject {
     Motion motion;
     int side;  ///< Primary rays each way.
 };
-std::vector<MeshSubject> mesh_subjects(bool is_quick);
+std::vector<MeshSubject> mesh_subjects(const Settings& settings);
 
 /// A scene's first frame as one mesh in the world, and its diffuse rays.
 struct MeshSample {

@@ -71,7 +71,7 @@ std::string caption(const Chart& chart, const std::vector<MeshSubject>& all) {
 }  // namespace
 
 Chart builders(Sweep& sweep) {
-    const std::vector<MeshSubject> all = mesh_subjects(sweep.settings().is_quick);
+    const std::vector<MeshSubject> all = mesh_subjects(sweep.settings());
     Chart chart{.name = "builders", .question = find_chart("builders").question, .columns = 3};
     for (const Measure& measure : kMeasures) {
         for (const MeshSubject& subject : all) {

@@ -41,9 +41,9 @@ Moving motion_of_scene(const std::string& series, const std::string& scene) {
 }
 
 /// A column that is wrung: its top makes two turns by the end.
-Moving twist(bool is_quick) {
+Moving twist(const Settings& settings) {
     constexpr float kHeight = 2.0f, kRadius = 0.3f;
-    const int rings = is_quick ? 160 : 480;
+    const int rings = settings.pick(40, 160, 480);
     std::vector<glm::vec3> path;
     for (int k = 0; k <= rings; ++k) path.push_back({0, kHeight * static_cast<float>(k) / static_cast<float>(rings), 0});
     // Three ridges, or turning would change nothing.
@@ -63,11 +63,12 @@ Moving twist(bool is_quick) {
             }};
 }
 
-Moving make_moving(const std::string& series, bool is_quick) {
-    if (series == "ripple") return motion_of_scene(series, is_quick ? "deforming-120" : "deforming-400");
+Moving make_moving(const std::string& series, const Settings& settings) {
+    if (series == "ripple") return motion_of_scene(series, settings.pick("deforming-30", "deforming-120", "deforming-400"));
     if (series == "walk") return motion_of_scene(series, "skinned-1");
-    if (series == "explosion") return motion_of_scene(series, is_quick ? "arbitrary-20000" : "arbitrary-200000");
-    return twist(is_quick);
+    if (series == "explosion")
+        return motion_of_scene(series, settings.pick("arbitrary-1000", "arbitrary-20000", "arbitrary-200000"));
+    return twist(settings);
 }
 
 /// From around a box to points in it.
@@ -90,12 +91,12 @@ double work_of(const Blas& blas, std::span<const Ray> rays) {
 }
 
 std::vector<Row> measure(const std::string& series, const Settings& settings) {
-    const Moving moving = make_moving(series, settings.is_quick);
+    const Moving moving = make_moving(series, settings);
     const BlasBuilder builder = BlasBuilder::kSweep;
     Blas refitted;
     build_blas(moving.positions(0), moving.corners, builder, &refitted);
     std::vector<Row> rows;
-    for (int frame = 0; frame <= kLastFrame; frame += settings.is_quick ? 8 : 2) {
+    for (int frame = 0; frame <= kLastFrame; frame += settings.pick(24, 8, 2)) {
         const std::vector<glm::vec3> positions = moving.positions(frame);
         refit_blas(positions, moving.corners, &refitted);
         Blas rebuilt;
@@ -103,7 +104,8 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
         std::vector<double> ratios(kBatches);
         parallel_for(0, kBatches, 1, [&](size_t begin, size_t end) {
             for (size_t batch = begin; batch < end; ++batch) {
-                const std::vector<Ray> rays = make_rays(rebuilt.tree.bounds(), settings.is_quick ? 2000 : 20'000, batch);
+                const std::vector<Ray> rays =
+                    make_rays(rebuilt.tree.bounds(), settings.pick<size_t>(300, 2000, 20'000), batch);
                 ratios[batch] = work_of(refitted, rays) / work_of(rebuilt, rays);
             }
         });

@@ -143,7 +143,7 @@ std::vector<Row> measure(double distance, const Settings& settings) {
     for (const Placed& placed : kPlaced) {
         const Trs trs = trs_of(placed, distance);
         const test::BruteForce truth = make_truth(ball, trs);
-        const std::vector<Ray> rays = make_rays(trs.translation, settings.is_quick ? 5'000 : 100'000);
+        const std::vector<Ray> rays = make_rays(trs.translation, settings.pick<size_t>(500, 5'000, 100'000));
         Scene scene = make_scene(ball, placed, trs);
         const Tlas& tlas = advance(scene, 0.0);
         std::vector<Hit> hits(rays.size());
@@ -196,7 +196,7 @@ Chart far(Sweep& sweep) {
     chart.panels = {{.name = kWrong, .x = distance, .y = {.name = "wrong rays", .unit = "%"}},
                     {.name = kError, .x = distance, .y = {.name = "distance / radius", .unit = "", .is_log = true}}};
     std::vector<Step> steps;
-    for (int exponent = 0; exponent <= 14; exponent += sweep.settings().is_quick ? 2 : 1) {
+    for (int exponent = 0; exponent <= 14; exponent += sweep.settings().pick(4, 2, 1)) {
         const double value = std::pow(10.0, 0.5 * exponent);
         steps.push_back({.name = short_number(value), .measure = [=, &sweep] { return measure(value, sweep.settings()); }});
     }

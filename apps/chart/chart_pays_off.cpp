@@ -86,7 +86,7 @@ std::string caption(const Chart& chart) {
 Chart pays_off(Sweep& sweep) {
     Chart chart{.name = "pays-off", .question = find_chart("pays-off").question, .columns = 2};
     std::vector<Step> steps;
-    for (const MeshSubject& subject : mesh_subjects(sweep.settings().is_quick)) {
+    for (const MeshSubject& subject : mesh_subjects(sweep.settings())) {
         chart.panels.push_back({.name = subject.scene,
                                 .x = {.name = "rays traced per build", .unit = "", .is_log = true},
                                 .y = {.name = "build and rays, beside the best of ours", .unit = "", .is_log = true}});

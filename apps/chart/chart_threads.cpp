@@ -51,7 +51,7 @@ struct Player {
 
 std::vector<Row> measure(const std::string& name, const Settings& settings) {
     const ThreadCount before;
-    const int side = settings.is_quick ? 128 : 512, frame_count = settings.is_quick ? 9 : 48;
+    const int side = settings.pick(32, 128, 512), frame_count = settings.pick(2, 9, 48);
     const BenchScene scene{.name = name, .scene = name, .frame_count = frame_count, .size = {side, side}, .description = ""};
     std::vector<std::unique_ptr<Player>> players;
     for (const int count : thread_counts()) {
@@ -103,10 +103,11 @@ std::string caption(const Chart& chart) {
 
 Chart threads(Sweep& sweep) {
     Chart chart{.name = "threads", .question = find_chart("threads").question, .columns = 3};
-    const bool is_quick = sweep.settings().is_quick;
+    const Settings& settings = sweep.settings();
     std::vector<Step> steps;
-    for (const std::string name : {is_quick ? "mixed-4" : "mixed-20", is_quick ? "skinned-50" : "skinned-100",
-                                   is_quick ? "instances-10000" : "instances-100000"}) {
+    for (const std::string name :
+         {settings.pick("mixed-1", "mixed-4", "mixed-20"), settings.pick("skinned-2", "skinned-50", "skinned-100"),
+          settings.pick("instances-300", "instances-10000", "instances-100000")}) {
         chart.panels.push_back({.name = name,
                                 .x = {.name = "threads", .unit = "", .is_whole = true},
                                 .y = {.name = "times as fast", .unit = "", .is_more_better = true}});

@@ -8,6 +8,7 @@
 #include "apps/bench/stopwatch.h"
 #include "apps/chart/charts.h"
 #include "apps/chart/measure.h"
+#include "apps/chart/scattered.h"
 #include "apps/common/open_scene.h"
 #include "engine/bvh/build_binned.h"
 #include "engine/bvh/build_clusters.h"
@@ -16,13 +17,28 @@
 namespace zoe::chart {
 namespace {
 
-constexpr const char* kBuild = "Build, with the wide form of the tree";
-constexpr const char* kNodes = "Nodes a ray visits, beside exact clustering";
+constexpr const char* kBuild = "Build, with the tree's wide form";
 constexpr const char* kStage = "build_tlas, whole";
-constexpr int kTradeCounts[] = {1000, 100'000};
 
-std::string trade_name(int count) {
-    return fmt::format("{} instances", short_number(count));
+/// Instances of a kind.
+struct Family {
+    const char* name;
+    bool is_rows;  ///< The content's scene: equal copies in rows that move. Else scattered copies of all sizes.
+
+    std::string nodes_panel() const { return fmt::format("Nodes a ray visits: {}", name); }
+    std::string trade_panel(int count) const { return fmt::format("{}, {}", name, short_number(count)); }
+};
+constexpr Family kRows{"rows", true}, kScattered{"scattered", false};
+
+/// Those whose trade of build and rays is shown.
+std::vector<std::pair<Family, int>> trades(const Settings& settings) {
+    const int count = settings.pick(300, 10'000, 10'000), most = settings.pick(10, 100'000, 100'000);
+    return {{kRows, count}, {kScattered, count}, {kRows, most}};
+}
+
+bool is_trade(const Family& family, int count, const Settings& settings) {
+    return std::ranges::any_of(trades(settings),
+                               [&](const auto& trade) { return trade.first.name == family.name && trade.second == count; });
 }
 
 /// A tree over a frame's instances by one method, in the memory of the one before.
@@ -131,30 +147,30 @@ std::vector<double> scaled(std::vector<double> numbers, double factor) {
     return numbers;
 }
 
-std::vector<Row> measure(int count, const Settings& settings) {
+std::vector<Row> measure(const Family& family, int count, const Settings& settings) {
     const std::string name = fmt::format("instances-{}", count);
-    const int frame_count = settings.is_quick ? 5 : 9, side = settings.is_quick ? 64 : 128;
+    const int frame_count = settings.pick(2, 5, 9), side = settings.pick(16, 64, 128);
     // Short ones are built more often: a frame's time is their median.
     const int repeats = std::clamp(20'000 / count, 1, 25);
     const BenchScene scene{.name = name, .scene = name, .frame_count = frame_count, .size = {side, side}, .description = ""};
-    Content content = open_scene(name, kBenchFps);
+    Content content = family.is_rows ? open_scene(name, kBenchFps) : make_scattered(count);
     FrameRun frame_run(content, choose_view(content, scene), scene.size);
     std::vector<TopLevel> methods = all_methods();
     std::vector<Taken> taken(methods.size());
     std::vector<double> stage_ms;
-    Peers peers(settings.has_peer);
+    Peers peers(settings.has_peer && family.is_rows);
     for (int frame = 0; frame <= frame_count; ++frame) {
         const bool is_counted = frame > 0;  // the first one makes room
         const FrameRecord record = frame_run.run(frame, nullptr, false);
         const Tlas& tlas = frame_run.tlas();
         peers.update(content.scene, tlas, is_counted);
+        if (!is_counted) continue;
+        stage_ms.push_back(record.stats.build_tlas_ms);
         std::vector<Aabb> boxes;
         for (const PlacedBlas& placed : tlas.placed) boxes.push_back(placed.bounds_world);
         std::vector<Ray> rays;
         for (const RayKind kind : {RayKind::kPrimary, RayKind::kDiffuse})
             rays.insert(rays.end(), frame_run.rays(kind).begin(), frame_run.rays(kind).end());
-        if (!is_counted) continue;
-        stage_ms.push_back(record.stats.build_tlas_ms);
         std::vector<std::function<double()>> works;
         for (TopLevel& method : methods) works.emplace_back([&] { return method.build(boxes); });
         const std::vector<std::vector<double>> times_ms = measure_in_turn(works, repeats);
@@ -164,7 +180,7 @@ std::vector<Row> measure(int count, const Settings& settings) {
         }
     }
     std::vector<Row> rows;
-    const double n = count;
+    const Spread n = Spread::exactly(count);
     for (size_t k = 0; k < methods.size(); ++k) {
         const bool is_default = methods[k].name() == default_name(count);
         const auto add = [&](const std::string& panel, const Spread& x, const std::vector<double>& y) {
@@ -172,37 +188,42 @@ std::vector<Row> measure(int count, const Settings& settings) {
                             .series = methods[k].name(),
                             .point = {.x = x, .y = spread_of(y), .is_default = is_default}});
         };
-        add(kBuild, Spread::exactly(n), taken[k].build_ms);
-        add(kNodes, Spread::exactly(n), ratios(taken[k].nodes, taken[0].nodes));
-        if (std::ranges::find(kTradeCounts, count) != std::end(kTradeCounts))
-            add(trade_name(count), spread_of(scaled(taken[k].build_ms, 1e6 / n)), taken[k].nodes);
+        if (family.is_rows) add(kBuild, n, taken[k].build_ms);
+        add(family.nodes_panel(), n, ratios(taken[k].nodes, taken[0].nodes));
+        if (is_trade(family, count, settings))
+            add(family.trade_panel(count), spread_of(scaled(taken[k].build_ms, 1e6 / n.median)), taken[k].nodes);
     }
-    rows.push_back({.panel = kBuild, .series = kStage, .point = {.x = Spread::exactly(n), .y = spread_of(stage_ms)}});
-    peers.add_rows(n, &rows);
+    if (family.is_rows) rows.push_back({.panel = kBuild, .series = kStage, .point = {.x = n, .y = spread_of(stage_ms)}});
+    peers.add_rows(count, &rows);
     return rows;
 }
 
-std::string caption(const Chart& chart, const std::vector<int>& counts) {
-    const auto nodes_of_default = [&](int count) { return chart.point(kNodes, default_name(count), count).y.median; };
-    const int worst = *std::ranges::max_element(counts, {}, nodes_of_default);
-    const int best = *std::ranges::min_element(counts, {}, nodes_of_default);
-    const int most = counts.back();
-    const auto build_ms = [&](const std::string& series) { return chart.point(kBuild, series, most).y.median; };
-    const auto nodes = [&](const std::string& series) { return chart.point(kNodes, series, most).y.median; };
+std::string caption(const Chart& chart, int most, const Settings& settings) {
     const ClusterConfig config;
     const std::string fast = fast_name(config.search_radius);
+    const auto build_ms = [&](const std::string& series) { return chart.point(kBuild, series, most).y.median; };
     std::string text = fmt::format(
-        "Rows of small copies that move. Default: exact clustering up to {} instances, beyond them the fast form with "
-        "radius {}. Rays through the default's "
-        "trees visit {} ({} instances) to {} ({}) times the nodes of exact ones. Over {} instances the fast form takes {} "
-        "ms, "
-        "exact clustering {} times as long; binned SAH {} times, and its rays visit {} times the nodes.",
-        config.exact_up_to, config.search_radius, short_number(nodes_of_default(best)), short_number(best),
-        short_number(nodes_of_default(worst)), short_number(worst), short_number(most), short_number(build_ms(fast)),
-        short_number(build_ms("exact") / build_ms(fast)), short_number(build_ms("binned") / build_ms(fast)),
-        short_number(nodes("binned") / nodes(fast)));
-    for (const int count : kTradeCounts)
-        text += fmt::format(" On the front of {}: {}.", trade_name(count), names_on_front(chart.panel(trade_name(count))));
+        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: exact clustering up to {} instances, "
+        "beyond them the fast form with radius {}. Over {} instances that "
+        "takes {} ms, "
+        "exact clustering {} times as long, binned SAH {} times.",
+        config.exact_up_to, config.search_radius, short_number(most), short_number(build_ms(fast)),
+        short_number(build_ms("exact") / build_ms(fast)), short_number(build_ms("binned") / build_ms(fast)));
+    for (const Family& family : {kRows, kScattered}) {
+        const std::string panel = family.nodes_panel();
+        const double x = chart.panel(panel).find("exact")->points.back().x.median;
+        const auto nodes = [&](const std::string& series) { return chart.point(panel, series, x).y.median; };
+        text += fmt::format(
+            " Over {} instances ({}) rays visit {} times as many nodes of the default's trees as of exact ones, and of "
+            "binned "
+            "ones {} times as many as of the default's.",
+            short_number(x), family.name, short_number(nodes(default_name(static_cast<int>(x)))),
+            short_number(nodes("binned") / nodes(default_name(static_cast<int>(x)))));
+    }
+    for (const auto& [family, count] : trades(settings)) {
+        const std::string panel = family.trade_panel(count);
+        text += fmt::format(" On the front of {}: {}.", panel, names_on_front(chart.panel(panel)));
+    }
     if (chart.panel(kBuild).find("Embree LOW")) {
         text += fmt::format(
             " The whole stage, matrices included, takes {} ms over {} instances; Embree's {} (LOW) and {} (MEDIUM).",
@@ -215,28 +236,35 @@ std::string caption(const Chart& chart, const std::vector<int>& counts) {
 }  // namespace
 
 Chart tlas(Sweep& sweep) {
+    const Settings settings = sweep.settings();
     const Axis instances{.name = "instances", .unit = "", .is_log = true};
-    Chart chart{.name = "tlas", .question = find_chart("tlas").question, .columns = 2};
-    chart.panels = {
-        {.name = kBuild, .x = instances, .y = {.name = "time", .unit = "ms", .is_log = true}},
-        {.name = kNodes, .x = instances, .y = {.name = "nodes / nodes of exact", .unit = ""}},
-    };
-    for (const int count : kTradeCounts) {
-        chart.panels.push_back({.name = trade_name(count),
+    Chart chart{.name = "tlas", .question = find_chart("tlas").question, .columns = 3};
+    chart.panels = {{.name = kBuild, .x = instances, .y = {.name = "time", .unit = "ms", .is_log = true}}};
+    for (const Family& family : {kRows, kScattered})
+        chart.panels.push_back(
+            {.name = family.nodes_panel(), .x = instances, .y = {.name = "nodes / nodes of exact", .unit = ""}});
+    for (const auto& [family, count] : trades(settings)) {
+        chart.panels.push_back({.name = family.trade_panel(count),
                                 .x = {.name = "build", .unit = "ns an instance", .is_log = true},
                                 .y = {.name = "nodes a ray visits", .unit = ""},
                                 .is_trade = true});
     }
-    std::vector<int> counts = {10, 30, 100, 300, 1000, 3000, 10'000, 30'000, 100'000};
-    if (sweep.settings().is_quick) counts = {10, 100, 1000, 10'000, 100'000};
     std::vector<Step> steps;
-    for (const int count : counts) {
-        steps.push_back({.name = fmt::format("{} instances", count), .share = 1000.0 + count, .measure = [=, &sweep] {
-                             return measure(count, sweep.settings());
-                         }});
-    }
+    const auto add_steps = [&](const Family& family, const std::vector<int>& counts) {
+        for (const int count : counts) {
+            steps.push_back({.name = fmt::format("{}: {}", family.name, count), .share = 1000.0 + count, .measure = [=] {
+                                 return measure(family, count, settings);
+                             }});
+        }
+    };
+    using Counts = std::vector<int>;
+    const auto in_rows = settings.pick<Counts>({10, 300}, {10, 100, 1000, 10'000, 100'000},
+                                               {10, 30, 100, 300, 1000, 3000, 10'000, 30'000, 100'000});
+    add_steps(kRows, in_rows);
+    add_steps(kScattered,
+              settings.pick<Counts>({10, 300}, {10, 100, 1000, 10'000}, {10, 30, 100, 300, 1000, 3000, 10'000, 30'000}));
     sweep.run(steps, &chart);
-    chart.caption = caption(chart, counts);
+    chart.caption = caption(chart, in_rows.back(), settings);
     return chart;
 }
 

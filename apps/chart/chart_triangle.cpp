@@ -142,13 +142,13 @@ Spread error_ulps(const Method& method, size_t shot_count) {
 
 std::vector<Row> measure_tests(const Settings& settings) {
     const ClosedBall ball(64);
-    const size_t ray_count = settings.is_quick ? 3'000'000 : 100'000'000,
-                 shot_count = settings.is_quick ? 200'000 : 2'000'000;
+    const size_t ray_count = settings.pick<size_t>(50'000, 3'000'000, 100'000'000),
+                 shot_count = settings.pick<size_t>(20'000, 200'000, 2'000'000);
     std::vector<EdgeRay> shots;
     for (size_t k = 0; k < 2000; ++k) shots.push_back(edge_ray(ball, 3, k));
     std::vector<std::function<double()>> works;
     for (const Method& method : kMethods) works.emplace_back([&] { return test_ns(ball, method, shots); });
-    const std::vector<std::vector<double>> ns = measure_in_turn(works, settings.is_quick ? 9 : 25);
+    const std::vector<std::vector<double>> ns = measure_in_turn(works, settings.pick(3, 9, 25));
     std::vector<Row> rows;
     for (size_t k = 0; k < std::size(kMethods); ++k) {
         const Spread x = spread_of(ns[k]);
@@ -171,7 +171,7 @@ uint64_t count_missed(const std::vector<EdgeRay>& shots, const std::vector<Hit>&
 /// The kernels that rays go through, single rays.
 std::vector<Row> measure_trees(const Settings& settings) {
     const ClosedBall ball(64);
-    const size_t ray_count = settings.is_quick ? 1'000'000 : 10'000'000;
+    const size_t ray_count = settings.pick<size_t>(50'000, 1'000'000, 10'000'000);
     std::vector<EdgeRay> shots(ray_count);
     std::vector<Ray> rays(ray_count);
     for (size_t k = 0; k < ray_count; ++k) rays[k] = (shots[k] = edge_ray(ball, 4, k)).ray;
@@ -200,7 +200,7 @@ std::vector<Row> measure_trees(const Settings& settings) {
         for (size_t k = 0; k < peers.size(); ++k)
             works.emplace_back([&, k] { return peers[k].closest_hits(rays, EmbreeRays::kSingle, hits[k + 1]); });
     }
-    const std::vector<std::vector<double>> ms = measure_in_turn(works, settings.is_quick ? 5 : 9);
+    const std::vector<std::vector<double>> ms = measure_in_turn(works, settings.pick(3, 5, 9));
     std::vector<Row> rows;
     for (size_t k = 0; k < works.size(); ++k) {
         std::vector<double> ray_ns = ms[k];

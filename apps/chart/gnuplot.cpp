@@ -123,7 +123,9 @@ std::string panel_program(const Chart& chart, size_t index, const Layout& layout
         }
     }
     if (has_default(panel)) plots.push_back(fmt::format("$default{} using 1:4 with points {} notitle", index, kDefaultLook));
+    const int tick_font = chart.columns < 3 ? 10 : 8;
     std::string text = fmt::format("\n# {}\nset title {} offset 0,-0.6\n", panel.name, quoted(panel.name));
+    text += fmt::format("set tics font ',{}'\n", tick_font);
     text += axis('x', panel.x, x_scale(panel)) + axis('y', panel.y, y_scale(panel)) + place(layout.panel(index));
     return text + "plot " + joined(plots, kNextPlot) + "\n";
 }

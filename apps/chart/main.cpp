@@ -71,7 +71,7 @@ int run(const Options& options) {
     const std::filesystem::path folder = options.out;
     make_folder(folder);
     catch_interrupts();
-    const Settings settings{.is_quick = options.is_quick, .has_peer = options.has_peer};
+    const Settings settings{.size = options.is_quick ? Size::kQuick : Size::kFull, .has_peer = options.has_peer};
     Sweep sweep(settings, folder, describe_origin(settings));
     bool are_all_drawn = true;
     for (const ChartInfo* info : chosen(options)) {

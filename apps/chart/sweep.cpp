@@ -107,7 +107,7 @@ void Sweep::run(const std::vector<Step>& steps, Chart* chart) {
 std::vector<std::pair<std::string, std::string>> describe_origin(const Settings& settings) {
     std::vector<std::pair<std::string, std::string>> origin = describe_machine();
     origin.emplace_back("program", hash_of_program());
-    origin.emplace_back("size", settings.is_quick ? "quick" : "full");
+    origin.emplace_back("size", settings.pick("tiny", "quick", "full"));
     origin.emplace_back("peer", settings.has_peer ? EmbreePeer::version() : "none");
     return origin;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -11,10 +12,19 @@
 
 namespace zoe::chart {
 
+/// How large scenes are and how often they are measured: for tests, in minutes for all charts together, or as one likes to
+/// have it.
+enum class Size : uint8_t { kTiny, kQuick, kFull };
+
 /// What a chart is asked for.
 struct Settings {
-    bool is_quick = false;  ///< Smaller scenes and fewer repeats: minutes for all charts together.
+    Size size = Size::kFull;
     bool has_peer = false;  ///< Embree's points, too.
+
+    template <typename T>
+    T pick(T tiny, T quick, T full) const {
+        return size == Size::kTiny ? tiny : size == Size::kQuick ? quick : full;
+    }
 };
 
 /// What is measured together: whole or not at all.
