@@ -8,7 +8,7 @@
 
 #include "apps/bench/stopwatch.h"
 #include "apps/bench/timed_parallel.h"
-#include "engine/bvh/build_agglomerative.h"
+#include "apps/common/lone_blas.h"
 #include "engine/bvh/epo.h"
 #include "engine/math/parallel.h"
 
@@ -42,11 +42,7 @@ public:
         row.depth = static_cast<int>(blas_.tree.level_ends.size());
         describe_binary(scratch.bvh, mesh);
 
-        const std::vector<Aabb> bounds = {blas_.tree.bounds()};
-        std::vector<uint32_t> slots;
-        CollapseScratch collapse_scratch;
-        collapse(build_agglomerative(bounds, {}), {.block_size = 1, .max_leaf_blocks = 1}, &top_, &slots, &collapse_scratch);
-        placed_ = {.local_from_world = {}, .bounds_world = bounds[0], .blas = &blas_, .id = 0, .is_identity = true};
+        frame_.emplace(blas_);
     }
 
     /// One ray a call: packets share their work.
@@ -92,13 +88,10 @@ private:
         for (const uint32_t primitive : bvh.primitives) triangles.push_back(mesh.triangle(primitive));
         row.epo = epo_cost(bvh, triangles);
     }
-    TwoLevels scene() const {
-        return {.top = &top_, .instances = &placed_, .stack_size = top_.stack_size() + blas_.tree.stack_size() + 1};
-    }
+    TwoLevels scene() const { return frame_->levels(); }
 
     Blas blas_;
-    WideBvh top_;
-    PlacedBlas placed_;
+    std::optional<LoneBlas> frame_;
     std::vector<RawHit> raw_, singles_;
 };
 

@@ -199,6 +199,10 @@ std::string settings(BlasBuilder builder) {
            bytes_of(kCollapse);
 }
 
+BinnedConfig blas_binned_config() {
+    return kBinned;
+}
+
 Triangle TriangleBlock::triangle(int slot) const {
     const auto corner = [&](int k) {
         return glm::vec3(corners[3 * k][slot], corners[3 * k + 1][slot], corners[3 * k + 2][slot]);

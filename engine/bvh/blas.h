@@ -49,6 +49,9 @@ enum class BlasBuilder : uint8_t {
 /// Bytes that differ where `build_blas` may make another tree of the same mesh: which builder, and the settings of all.
 std::string settings(BlasBuilder builder);
 
+/// How kBinned builds, for who compares it with other settings.
+BinnedConfig blas_binned_config();
+
 /// Memory that one build hands to the next: for meshes that are rebuilt every frame.
 struct BlasScratch {
     std::vector<Aabb> boxes;

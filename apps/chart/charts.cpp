@@ -1,0 +1,43 @@
+#include "apps/chart/charts.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "apps/common/usage_error.h"
+
+namespace zoe::chart {
+namespace {
+
+constexpr std::array kCharts = {
+    ChartInfo{"tlas", "What does a tree over moving instances cost to build, and its rays to trace?", tlas},
+    ChartInfo{"builders", "What does a better tree of triangles cost, and how much faster are its rays?", builders},
+    ChartInfo{"pays-off", "After how many rays has a better tree earned its build?", pays_off},
+    ChartInfo{"triangle", "What does a triangle test cost that misses no edge, and how exact is its t?", triangle},
+    ChartInfo{"far", "How far from the origin do rays still hit what they should?", far},
+    ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
+    ChartInfo{"threads", "What does each stage of a frame gain from more threads?", threads},
+};
+
+}  // namespace
+
+std::span<const ChartInfo> charts() {
+    return kCharts;
+}
+
+const ChartInfo& find_chart(const std::string& name) {
+    const auto found = std::ranges::find_if(kCharts, [&](const ChartInfo& chart) { return name == chart.name; });
+    if (found != kCharts.end()) return *found;
+    std::string names;
+    for (const ChartInfo& chart : kCharts) names += fmt::format("{}{}", names.empty() ? "" : ", ", chart.name);
+    throw UsageError(fmt::format("{}: no such chart; there are {}", name, names));
+}
+
+std::string list_charts() {
+    std::string text;
+    for (const ChartInfo& chart : kCharts) text += fmt::format("  {:<13}{}\n", chart.name, chart.question);
+    return text;
+}
+
+}  // namespace zoe::chart

@@ -1,0 +1,88 @@
+#include "apps/chart/style.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace zoe::chart {
+namespace {
+
+// Okabe and Ito's colours, which stay apart in all common kinds of colour blindness.
+constexpr unsigned kBlack = 0x000000, kGrey = 0x7a7a7a, kOrange = 0xe69f00, kSkyBlue = 0x56b4e9, kGreen = 0x009e73,
+                   kBlue = 0x0072b2, kVermilion = 0xd55e00, kPurple = 0xcc79a7;
+
+enum Shape {
+    kPlus = 1,
+    kCross,
+    kStar,
+    kOpenSquare,
+    kSquare,
+    kOpenCircle,
+    kCircle,
+    kOpenTriangle,
+    kTriangle,
+    kOpenDownward,
+    kDownward,
+    kOpenDiamond,
+    kDiamond,
+    kOpenPentagon,
+    kPentagon
+};
+
+constexpr std::array kStyles = {
+    // Builders.
+    Style{"median split", kBlack, kCross, true},
+    Style{"binned", kOrange, kSquare, true},
+    Style{"binned, by bins", kOrange, kOpenSquare, true},
+    Style{"sweep", kSkyBlue, kTriangle, true},
+    Style{"reinserted", kGreen, kCircle, true},
+    Style{"SBVH", kPurple, kDiamond, true},
+    // Clustering.
+    Style{"exact", kBlue, kPentagon, true},
+    Style{"fast (radius 2)", kVermilion, kOpenTriangle, true},
+    Style{"fast (radius 8)", kVermilion, kDownward, true},
+    Style{"fast (radius 32)", kVermilion, kOpenDownward, true},
+    Style{"build_tlas, whole", kBlack, kOpenCircle, true},
+    // Triangle tests.
+    Style{"ours", kGreen, kCircle, false},
+    Style{"Moeller-Trumbore", kOrange, kSquare, false},
+    Style{"Woop, in float", kSkyBlue, kTriangle, false},
+    // Where vertices are placed.
+    Style{"instanced", kBlue, kCircle, true},
+    Style{"instanced, turned", kBlue, kOpenCircle, true},
+    Style{"baked", kOrange, kSquare, true},
+    // Motions.
+    Style{"ripple", kBlue, kCircle, true},
+    Style{"walk", kGreen, kTriangle, true},
+    Style{"twist", kOrange, kSquare, true},
+    Style{"explosion", kVermilion, kDiamond, true},
+    // Stages of a frame.
+    Style{"ideal", kGrey, 0, true},
+    Style{"animate", kSkyBlue, kOpenTriangle, true},
+    Style{"deform", kPurple, kOpenSquare, true},
+    Style{"update_blas", kOrange, kOpenDiamond, true},
+    Style{"build_tlas", kVermilion, kDownward, true},
+    Style{"trace", kBlack, kCircle, true},
+    // Peers.
+    Style{"Embree fast", kGrey, kPlus, true, true},
+    Style{"Embree robust", kGrey, kStar, true, true},
+    Style{"Embree, instances", kGrey, kStar, true, true},
+    Style{"Embree, one scene", kGrey, kPlus, true, true},
+    Style{"Embree LOW", kGrey, kPlus, true, true},
+    Style{"Embree MEDIUM", kGrey, kStar, true, true},
+    Style{"Embree HIGH", kGrey, kOpenDiamond, true, true},
+};
+
+}  // namespace
+
+std::span<const Style> styles() {
+    return kStyles;
+}
+
+const Style& style_of(const std::string& series) {
+    const auto found = std::ranges::find_if(kStyles, [&](const Style& style) { return series == style.name; });
+    if (found == kStyles.end()) throw std::logic_error("no style for the series '" + series + "'");
+    return *found;
+}
+
+}  // namespace zoe::chart

@@ -1,0 +1,196 @@
+// What charts say must hold at small size, too: directions, of what depends on counts and never on clocks.
+
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "apps/bench/peer_embree.h"
+#include "apps/chart/builders.h"
+#include "apps/chart/charts.h"
+#include "apps/chart/gnuplot.h"
+#include "apps/chart/style.h"
+#include "apps/common/open_scene.h"
+#include "engine/bvh/build_clusters.h"
+#include "engine/math/rng.h"
+
+namespace zoe::chart {
+namespace {
+
+/// The chart of that name at the size that tests have time for.
+Chart make(const char* name, bool has_peer = false) {
+    const Settings settings{.size = Size::kTiny, .has_peer = has_peer};
+    Sweep sweep(settings, {}, {});
+    return find_chart(name).make(sweep);
+}
+
+/// The only point of a series.
+double y_of(const Chart& chart, const char* panel, const char* series) {
+    return chart.panel(panel).find(series)->points.front().y.median;
+}
+
+TEST(Charts, AllHavePointsACaptionAndAPicture) {
+    for (const ChartInfo& info : charts()) {
+        SCOPED_TRACE(info.name);
+        const Chart chart = make(info.name, is_embree_available());
+        EXPECT_EQ(chart.name, info.name);
+        EXPECT_GT(chart.caption.size(), 50u);
+        EXPECT_EQ(chart.caption.find("nan"), std::string::npos) << chart.caption;
+        for (const Panel& panel : chart.panels) {
+            SCOPED_TRACE(panel.name);
+            EXPECT_GE(panel.series.size(), 2u);
+            for (const Series& series : panel.series) {
+                EXPECT_FALSE(series.points.empty());
+                for (const Point& point : series.points) {
+                    EXPECT_TRUE(!panel.x.is_log || point.x.low > 0.0) << series.name << ' ' << point.x.low;
+                    EXPECT_TRUE(!panel.y.is_log || point.y.low > 0.0) << series.name << ' ' << point.y.low;
+                }
+            }
+        }
+        // In one picture no two series look alike.
+        std::set<std::pair<unsigned, int>> looks;
+        std::set<std::string> names;
+        for (const Panel& panel : chart.panels) {
+            for (const Series& series : panel.series) {
+                const Style& style = style_of(series.name);
+                if (!names.insert(series.name).second) continue;
+                EXPECT_TRUE(looks.insert({style.colour, style.shape}).second) << series.name;
+            }
+        }
+        const std::string program = gnuplot_program(chart);
+        for (const Panel& panel : chart.panels) EXPECT_NE(program.find(panel.name), std::string::npos) << panel.name;
+    }
+}
+
+/// Both are greedy, and neither is the better one everywhere: over boxes scattered evenly, trees of the exact form cost up
+/// to 6 % more than those of the fast one, less over few.
+TEST(Charts, ExactAndFastClusteringAreWorthNearlyTheSame) {
+    for (const uint64_t seed : {1, 2, 3, 4, 5}) {
+        SCOPED_TRACE(::testing::Message() << "seed " << seed);
+        Rng rng(seed);
+        std::vector<Aabb> boxes(1500);
+        for (Aabb& box : boxes) {
+            const glm::vec3 place(rng.uniform(), rng.uniform(), rng.uniform());
+            box = {place, place + 0.02f * glm::vec3(rng.uniform(), rng.uniform(), rng.uniform())};
+        }
+        PlocScratch scratch;
+        const double exact = sah_cost(build_agglomerative(boxes));
+        for (const uint32_t radius : {2u, 8u, 32u}) {
+            const double fast = sah_cost(build_ploc(boxes, {.search_radius = radius}, {}, &scratch));
+            EXPECT_LE(exact, 1.12 * fast) << "radius " << radius;
+            EXPECT_LE(fast, 1.12 * exact) << "radius " << radius;
+        }
+    }
+}
+
+TEST(Charts, MoreBinsAreNeverWorseInTheMean) {
+    std::vector<MeshSample> samples;
+    for (const char* const scene : {"static-30000", "deforming-60", "arbitrary-10000"})
+        samples.push_back(sample_mesh({.scene = scene, .motion = Motion::kStatic, .side = 8}));
+    double before = std::numeric_limits<double>::infinity();
+    for (const int bin_count : {4, 8, 16, 32, 64}) {
+        double product = 1.0;
+        for (const MeshSample& sample : samples) {
+            Blas blas;
+            BlasScratch scratch;
+            binned(bin_count).build(sample.mesh, &blas, &scratch);
+            product *= sah_cost(blas.tree, 1.0f);
+        }
+        const double mean = std::cbrt(product);
+        EXPECT_LE(mean, 1.02 * before) << bin_count << " bins";
+        before = std::min(before, mean);
+    }
+}
+
+TEST(Charts, BinnedWithTheDefaultBinsIsTheEnginesOwn) {
+    const MeshSample sample = sample_mesh(mesh_subjects({.size = Size::kTiny})[0]);
+    Blas ours, engines;
+    BlasScratch scratch;
+    binned(blas_binned_config().bin_count).build(sample.mesh, &ours, &scratch);
+    builder(BlasBuilder::kBinned).build(sample.mesh, &engines, &scratch);
+    ASSERT_EQ(ours.tree.nodes.size(), engines.tree.nodes.size());
+    EXPECT_EQ(std::memcmp(ours.tree.nodes.data(), engines.tree.nodes.data(), ours.tree.nodes.size() * sizeof(WideNode)), 0);
+}
+
+TEST(Charts, TheDefaultBuilderIsWhatTheEngineUses) {
+    for (const MeshSubject& subject : mesh_subjects({.size = Size::kTiny})) {
+        SCOPED_TRACE(subject.scene);
+        Content content = open_scene(subject.scene, 24.0);
+        const Tlas& tlas = advance(content, 0.0, nullptr);
+        uint64_t triangle_count = 0;
+        for (const Instance& instance : tlas.instances) triangle_count += instance.mesh->corners.size();
+        for (const Instance& instance : tlas.instances) {
+            EXPECT_EQ(instance.motion, subject.motion);
+            Blas blas;
+            build_blas(instance.positions, instance.mesh->corners, default_builder(subject.motion, triangle_count), &blas);
+            const auto& nodes = instance.blas->tree.nodes;
+            ASSERT_EQ(blas.tree.nodes.size(), nodes.size());
+            EXPECT_EQ(std::memcmp(blas.tree.nodes.data(), nodes.data(), nodes.size() * sizeof(WideNode)), 0);
+        }
+    }
+}
+
+TEST(Charts, BetterBuildersMakeBetterTrees) {
+    const Chart chart = make("builders");
+    for (const MeshSubject& subject : mesh_subjects({.size = Size::kTiny})) {
+        SCOPED_TRACE(subject.scene);
+        const auto sah = [&](const char* series) { return y_of(chart, (subject.scene + ": SAH").c_str(), series); };
+        EXPECT_LT(sah("binned"), sah("median split"));
+        EXPECT_LE(sah("sweep"), 1.03 * sah("binned"));
+        EXPECT_LE(sah("reinserted"), 1.01 * sah("sweep"));
+        EXPECT_LT(sah("SBVH"), sah("median split"));
+        const auto nodes = [&](const char* series) {
+            return y_of(chart, (subject.scene + ": nodes a ray visits").c_str(), series);
+        };
+        EXPECT_LT(nodes("reinserted"), nodes("median split"));
+    }
+}
+
+TEST(Charts, OnlyTheTestThatIsNotWatertightMissesEdges) {
+    const Chart chart = make("triangle");
+    const char* const panel = "One test: missed at edges";
+    EXPECT_NE(chart.panel(panel).find("ours")->points[0].label, "") << "some were missed";
+    EXPECT_GT(y_of(chart, panel, "Moeller-Trumbore"), 1e6);
+    const char* const error = "One test: error of t (99 of 100 below)";
+    EXPECT_LT(y_of(chart, error, "ours"), y_of(chart, error, "Moeller-Trumbore"));
+    EXPECT_NE(chart.panel("Rays through trees: missed at edges").find("ours")->points[0].label, "");
+}
+
+TEST(Charts, ErrorsGrowWithTheDistanceUnlessAMatrixOnlyMoves) {
+    const Chart chart = make("far");
+    const Panel& error = chart.panel("Error of where those with the right triangle hit it");
+    for (const char* const series : {"instanced, turned", "baked"}) {
+        const std::vector<Point>& points = error.find(series)->points;
+        for (size_t k = 1; k < points.size(); ++k) EXPECT_GT(points[k].y.median, points[k - 1].y.median) << series;
+    }
+    for (const Point& point : error.find("instanced")->points) EXPECT_LT(point.y.median, 1e-6) << point.x.median;
+}
+
+TEST(Charts, RefittingCostsNothingAtFirstAndMostWhereMotionScrambles) {
+    const Chart chart = make("degradation");
+    const Panel& sah = chart.panel("SAH");
+    for (const Series& series : sah.series) EXPECT_DOUBLE_EQ(series.points.front().y.median, 1.0) << series.name;
+    const auto worst = [&](const char* series) {
+        double most = 0.0;
+        for (const Point& point : sah.find(series)->points) most = std::max(most, point.y.median);
+        return most;
+    };
+    EXPECT_GT(worst("explosion"), 1.3);
+    EXPECT_GT(worst("explosion"), worst("walk"));
+    EXPECT_GT(worst("twist"), worst("ripple"));
+    // The explosion comes together again.
+    EXPECT_NEAR(sah.find("explosion")->points.back().y.median, 1.0, 0.02);
+}
+
+TEST(Charts, WhatABuilderTakesInAllIsNeverLessThanTheBest) {
+    const Chart chart = make("pays-off");
+    for (const Panel& panel : chart.panels) {
+        for (const Series& series : panel.series)
+            for (const Point& point : series.points) EXPECT_GE(point.y.median, 1.0) << panel.name << ' ' << series.name;
+        EXPECT_GT(panel.find("SBVH")->points.front().y.median, 1.0) << "no build is cheaper than SBVH's";
+    }
+}
+
+}  // namespace
+}  // namespace zoe::chart
