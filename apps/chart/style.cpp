@@ -50,6 +50,7 @@ constexpr std::array kStyles = {
     // Where vertices are placed.
     Style{"instanced", kBlue, kCircle, true},
     Style{"instanced, turned", kBlue, kOpenCircle, true},
+    Style{"re-based, turned", kGreen, kTriangle, true},
     Style{"baked", kOrange, kSquare, true},
     // Motions.
     Style{"ripple", kBlue, kCircle, true},

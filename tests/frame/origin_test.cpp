@@ -43,7 +43,7 @@ Scene make_scene(const glm::vec3& place) {
     scene.skins.push_back({"pole", {NodeId{kLow}, NodeId{kHigh}}, {Affine{}, Affine{glm::mat3(1.0f), {0, -2, 0}}}});
     Clip clip{"turn", {}, {}, 2.0};
     const float half = std::sqrt(0.5f);
-    clip.samplers.push_back({.width = 4, .is_rotation = true, .times_s = {0, 2}, .values = {0, 0, 0, 1, 0, half, 0, half}});
+    clip.samplers.push_back({.is_rotation = true, .width = 4, .times_s = {0, 2}, .values = {0, 0, 0, 1, 0, half, 0, half}});
     for (const uint32_t k : {kBox, kHigh}) clip.channels.push_back({NodeId{k}, ChannelPath::kRotation, 0});
     scene.clips.push_back(clip);
     scene.playback = {{ClipId{0}}, true};
