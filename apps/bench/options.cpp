@@ -55,10 +55,13 @@ void add_options(CLI::App& app, Options& options, Texts& texts) {
     app.add_option("--peer", texts.peer, "The same frames through Embree, by its best configuration")
         ->type_name("embree")
         ->group(peer);
-    app.add_flag("--peer-robust", options.is_peer_robust, "Embree's robust mode (fast, unless told)")->group(peer);
+    app.add_flag("--peer-robust", options.peer.is_robust, "Embree's robust mode (fast, unless told)")->group(peer);
     app.add_option("--peer-quality", texts.peer_quality, "Of Embree's static trees; high: spatial splits")
         ->type_name("medium|high")
         ->capture_default_str()
+        ->group(peer);
+    app.add_flag("--peer-two-level", options.peer.is_two_level,
+                 "Embree's instances under a top level (or all in one scene where that is faster, unless told)")
         ->group(peer);
     app.add_option("--disagreements", options.disagreements, "The first hundred rays of each scene that found other hits")
         ->type_name("FILE")
@@ -110,14 +113,14 @@ std::optional<Options> parse_options(int argc, char** argv) {
     options.has_peer = app.count("--peer") > 0;
     require(texts.peer_quality == "medium" || texts.peer_quality == "high",
             fmt::format("--peer-quality {}: medium or high", texts.peer_quality));
-    options.is_peer_high = texts.peer_quality == "high";
-    for (const char* const name : {"--peer-robust", "--peer-quality", "--disagreements"})
+    options.peer.is_static_high = texts.peer_quality == "high";
+    for (const char* const name : {"--peer-robust", "--peer-quality", "--peer-two-level", "--disagreements"})
         require(!app.count(name) || options.has_peer, fmt::format("{} goes with --peer embree", name));
     for (const char* const name : {"SCENE", "--frames", "--size", "--repeats", "--write-hashes"})
         require(!app.count(name) || !options.expected_hashes,
                 fmt::format("{} does not go with --expect-hashes: its file says what is played", name));
     for (const char* const name :
-         {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes", "--peer-quality"})
+         {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes", "--peer-quality", "--peer-two-level"})
         require(!app.count(name) || !options.compares_trees, fmt::format("{} does not go with --trees", name));
     check_files(app, options);
     return options;

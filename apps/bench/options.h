@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/peer_options.h"
 #include "apps/common/parse.h"
 
 namespace zoe {
@@ -19,7 +20,7 @@ struct Options {
     int threads = 0;                  ///< 0: all.
 
     bool has_peer = false;
-    bool is_peer_robust = false, is_peer_high = false;
+    PeerOptions peer;
 
     std::optional<std::string> json, csv, disagreements, expected_hashes, written_hashes;
 };

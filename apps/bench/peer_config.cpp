@@ -50,19 +50,19 @@ std::string EmbreeConfig::describe() const {
                        is_static_high ? "HIGH" : "MEDIUM", is_robust ? "robust" : "fast", forms);
 }
 
-std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, bool is_static_high, bool is_robust) {
+std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, const PeerOptions& options) {
     using Layout = EmbreeConfig::Layout;
     std::vector<EmbreeConfig> configs;
     for (const bool is_arbitrary_medium : {false, true}) {
         if (is_arbitrary_medium && !has(scene, Motion::kArbitrary)) continue;
-        EmbreeConfig config{.is_arbitrary_medium = is_arbitrary_medium, .is_robust = is_robust};
-        if (world_triangle_count(tlas) <= kMaxOneSceneTriangles) {
+        EmbreeConfig config{.is_arbitrary_medium = is_arbitrary_medium, .is_robust = options.is_robust};
+        if (!options.is_two_level && world_triangle_count(tlas) <= kMaxOneSceneTriangles) {
             config.layout = Layout::kOneScene;
-            config.is_static_high = is_static_high && is_all_static(scene);
+            config.is_static_high = options.is_static_high && is_all_static(scene);
             configs.push_back(config);
         }
         config.layout = Layout::kInstances;
-        config.is_static_high = is_static_high;
+        config.is_static_high = options.is_static_high;
         for (const bool is_top_medium : {false, true}) {
             if (!is_top_medium && tlas.instances.size() < kFewInstances) continue;
             config.is_top_medium = is_top_medium;

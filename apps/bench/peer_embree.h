@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/peer_options.h"
 #include "apps/bench/ray_kind.h"
 #include "engine/frame/frame.h"
 
@@ -40,7 +41,7 @@ struct EmbreeConfig {
 
 /// The configurations worth trying for a scene: layouts, and qualities for the classes that it has. Rays are left at single
 /// ones. HIGH only where Embree builds it: in one scene with others that move it would be MEDIUM, and nothing said.
-std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, bool is_static_high, bool is_robust);
+std::vector<EmbreeConfig> embree_configs(const Scene& scene, const Tlas& tlas, const PeerOptions& options);
 
 /// Whether this program was built with Embree.
 bool is_embree_available();

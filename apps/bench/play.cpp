@@ -116,8 +116,7 @@ private:
         peer.name = EmbreePeer::version();
         const Tlas& tlas = advance(content_, 0.0, nullptr);
         std::vector<Candidate> candidates;
-        for (const EmbreeConfig& config :
-             embree_configs(content_.scene, tlas, config_.is_peer_high, config_.is_peer_robust)) {
+        for (const EmbreeConfig& config : embree_configs(content_.scene, tlas, config_.peer)) {
             candidates.push_back(
                 {.config = config, .peer = std::make_unique<EmbreePeer>(config, thread_count()), .trial = {}});
         }

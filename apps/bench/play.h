@@ -6,12 +6,14 @@
 
 #include "apps/bench/bench_scenes.h"
 #include "apps/bench/judge.h"
+#include "apps/bench/peer_options.h"
 #include "apps/common/stats_json.h"
 
 namespace zoe {
 
 struct PlayConfig {
-    bool has_peer = false, is_peer_robust = false, is_peer_high = false;
+    bool has_peer = false;
+    PeerOptions peer;
 };
 
 struct Played {

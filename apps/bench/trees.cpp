@@ -124,7 +124,7 @@ TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, 
     if (config.has_peer) {
         for (const PeerQuality& quality : kPeerQualities) {
             report_step(fmt::format("building: {}", quality.name));
-            trees.push_back(make_peer_tree(quality.name, quality.quality, config.is_peer_robust, mesh, scene.repeats));
+            trees.push_back(make_peer_tree(quality.name, quality.quality, config.peer.is_robust, mesh, scene.repeats));
         }
     }
     Hits expected;

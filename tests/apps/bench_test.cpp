@@ -110,7 +110,7 @@ TEST(Bench, ListAndHelpExplain) {
     const Outcome help = run_bench(folder, {"--help"});
     EXPECT_EQ(help.exit_code, 0);
     for (const char* const option : {"--list", "--frames", "--repeats", "--threads", "--size", "--peer", "--peer-robust",
-                                     "--peer-quality", "--json", "--csv", "--expect-hashes"})
+                                     "--peer-quality", "--peer-two-level", "--json", "--csv", "--expect-hashes"})
         EXPECT_NE(help.out.find(option), std::string::npos) << option;
 }
 

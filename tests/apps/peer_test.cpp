@@ -119,7 +119,7 @@ void compare_all(Content& content, const std::vector<double>& times_s, uint64_t 
     for (const bool is_robust : {false, true}) {
         const Tlas& first = advance(content, times_s.front(), nullptr);
         Tally tally;
-        for (const EmbreeConfig& config : embree_configs(content.scene, first, is_robust, is_robust)) {
+        for (const EmbreeConfig& config : embree_configs(content.scene, first, {is_robust, is_robust})) {
             EmbreePeer peer(config, thread_count());
             for (size_t frame = 0; frame < times_s.size(); ++frame) {
                 SCOPED_TRACE(fmt::format("{}, frame {}", config.describe(), frame));
@@ -293,12 +293,13 @@ TEST_F(Peer, RefusesRaysBeforeAFrame) {
 
 TEST(PeerConfig, OffersWhatASceneHasUseFor) {
     Content rigid = make_content("rigid", 2), arbitrary = make_content("arbitrary", 100);
-    const auto configs = [](Content& content) {
+    const auto configs = [](Content& content, bool is_two_level = false) {
         const Tlas& tlas = advance(content, 0.0, nullptr);
-        return embree_configs(content.scene, tlas, true, true);
+        return embree_configs(content.scene, tlas, {true, true, is_two_level});
     };
     EXPECT_EQ(configs(rigid).size(), 2u);
     EXPECT_EQ(configs(arbitrary).size(), 4u);
+    for (const EmbreeConfig& config : configs(rigid, true)) EXPECT_EQ(config.layout, EmbreeConfig::Layout::kInstances);
     for (const EmbreeConfig& config : configs(arbitrary)) {
         EXPECT_TRUE(config.is_robust);
         // Beside what moves, Embree would build MEDIUM trees and say nothing.
