@@ -26,10 +26,12 @@ constexpr uint32_t kSlotMask = kWidth - 1, kKeyMask = 0x7fffffffu & ~kSlotMask;
 
 // The same in registers, for the box tests.
 struct BoxRay {
-    explicit HWY_INLINE BoxRay(const Space& space) {
+    // is_in_top  whether the nodes are the top level's, whose boxes may be tight.
+    HWY_INLINE BoxRay(const Space& space, bool is_in_top) {
         const BoxTag d;
-        first_x = hn::Set(d, space.first[0]), first_y = hn::Set(d, space.first[1]), first_z = hn::Set(d, space.first[2]);
-        last_x = hn::Set(d, space.last[0]), last_y = hn::Set(d, space.last[1]), last_z = hn::Set(d, space.last[2]);
+        const float *first = is_in_top ? space.first : space.origin, *last = is_in_top ? space.last : space.origin;
+        first_x = hn::Set(d, first[0]), first_y = hn::Set(d, first[1]), first_z = hn::Set(d, first[2]);
+        last_x = hn::Set(d, last[0]), last_y = hn::Set(d, last[1]), last_z = hn::Set(d, last[2]);
         near_x = hn::Set(d, space.inverse[0]), near_y = hn::Set(d, space.inverse[1]), near_z = hn::Set(d, space.inverse[2]);
         far_x = hn::Set(d, space.far_inverse[0]), far_y = hn::Set(d, space.far_inverse[1]),
         far_z = hn::Set(d, space.far_inverse[2]);

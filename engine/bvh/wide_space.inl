@@ -77,7 +77,7 @@ struct Space {
     }
 
     alignas(16) float origin[4];
-    alignas(16) float first[4], last[4];  // The origin, moved so that boxes look larger by the slack: near and far planes.
+    alignas(16) float first[4], last[4];  // The origin for near and far planes that are moved out by the slack.
     alignas(16) float inverse[4];
     alignas(16) float far_inverse[4];
     alignas(16) uint32_t negative[4];  // All bits where the direction's component is below 0.

@@ -46,7 +46,7 @@ struct Stream {
 };
 
 // Pushes the children of a node that rays enter; for closest hits, nearest last. Returns the new end of the stack.
-template <bool kIsAny>
+template <bool kIsAny, bool kIsInTop>
 HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces, const float* limit, RaySet rays,
                                       StreamEntry* end) {
     const BoxTag d;
@@ -59,7 +59,7 @@ HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces,
     uint32_t entered_by_any = 0;
     for (; rays != 0; rays &= rays - 1) {
         const int k = std::countr_zero(rays);
-        const BoxRay ray(spaces[k]);
+        const BoxRay ray(spaces[k], kIsInTop);
         uint32_t bits = 0;
         for (size_t part = 0; part < kWidth / kLanes; ++part) {
             const Entered t = test_boxes(node, ray, hn::Set(d, limit[k]), part * kLanes);
@@ -174,7 +174,8 @@ void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stre
             // All that were to go on here have hit something since.
         } else if (!is_leaf(at)) {
             counts->nodes += static_cast<uint32_t>(std::popcount(rays));
-            end = push_children<kIsAny>(nodes[at], spaces, stream->limit, rays, end);
+            end = blocks ? push_children<kIsAny, false>(nodes[at], spaces, stream->limit, rays, end)
+                         : push_children<kIsAny, true>(nodes[at], spaces, stream->limit, rays, end);
             for (ptrdiff_t n = 1; n <= std::min<ptrdiff_t>(2, end - bottom); ++n) {
                 if (end[-n].child != kLeave) prefetch(end[-n], nodes, blocks, scene.instances);
             }

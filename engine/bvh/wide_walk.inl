@@ -97,7 +97,7 @@ HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed) {
 template <bool kIsAny>
 HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, uint32_t at) {
     Space* space = &walk.world;
-    BoxRay boxes(*space);
+    BoxRay boxes(*space, !walk.is_in_instance);
     Stack stack = walk.stack;
     stack.keys[0] = 0;
     stack.children[0] = kDone;
@@ -113,7 +113,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, uint32_t at) {
         } else if (at == kLeave) {
             walk.is_in_instance = false;
             space = &walk.world;
-            boxes = BoxRay(*space);
+            boxes = BoxRay(*space, true);
             nodes = scene->top->nodes.data();
         } else if (walk.is_in_instance) {
             test_leaf(walk, *space, at);
@@ -129,7 +129,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, uint32_t at) {
                 at = placed.start;
                 if (!placed.is_identity) {
                     space = &walk.local;
-                    boxes = BoxRay(*space);
+                    boxes = BoxRay(*space, false);
                 }
                 continue;
             }
