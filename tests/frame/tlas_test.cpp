@@ -111,7 +111,7 @@ TEST(Tlas, OpenedInstancesAndTightBoxesGiveTheSameHits) {
     Content content = make_content("mixed-1");
     if (content.write) content.write(content.scene, 0.5);
     const Tlas& tlas = advance(content.scene, 0.5);
-    EXPECT_GT(tlas.parts.size(), tlas.instances.size() + 200) << "nothing was opened";
+    EXPECT_GT(tlas.parts.size(), tlas.instances.size() + 20) << "nothing was opened";
 }
 
 bool is_built_at(Scene* scene, double time_s) {
