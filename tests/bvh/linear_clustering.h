@@ -17,8 +17,8 @@ struct ListedCluster {
 /// comparing with every other.
 size_t linear_best_partner(std::span<const ListedCluster> list, size_t position);
 
-/// The tree of `build_agglomerative`, by its definition: in rounds, then by the nearest-neighbour chain, with a linear search,
-/// O(n^2) a round. Shares no code with the engine but for boxes.
+/// The tree of `build_agglomerative`, by its definition: in rounds, then by the nearest-neighbour chain, with a linear
+/// search, O(n^2) a round. Shares no code with the engine but for boxes.
 Bvh linear_clustering(std::span<const Aabb> boxes);
 
 }  // namespace zoe::test
