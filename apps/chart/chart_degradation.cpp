@@ -8,7 +8,6 @@
 #include "apps/chart/charts.h"
 #include "apps/chart/closed_ball.h"
 #include "apps/chart/measure.h"
-#include "apps/common/lone_blas.h"
 #include "apps/common/open_scene.h"
 #include "content/shapes.h"
 #include "engine/math/parallel.h"
@@ -86,7 +85,7 @@ std::vector<Ray> make_rays(const Aabb& box, size_t count, uint64_t seed) {
 
 /// In tests of a node's eight boxes, as the trees' own cost model counts.
 double work_of(const Blas& blas, std::span<const Ray> rays) {
-    const Work work = work_of_rays(LoneBlas(blas).levels(), rays);
+    const Work work = work_of_rays(blas, rays);
     return work.nodes + CollapseConfig{}.block_cost * work.triangles / TriangleBlock::kSize;
 }
 

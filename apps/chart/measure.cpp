@@ -1,11 +1,14 @@
 #include "apps/chart/measure.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "apps/common/interrupt.h"
+#include "apps/common/lone_blas.h"
+#include "engine/math/rng.h"
 
 namespace zoe::chart {
 
@@ -25,15 +28,22 @@ std::vector<std::vector<double>> measure_in_turn(std::span<const std::function<d
 Work work_of_rays(const TwoLevels& levels, std::span<const Ray> rays) {
     if (rays.empty()) return {};
     double nodes = 0.0, triangles = 0.0;
+    uint64_t hits_hash = 0;
     for (const Ray& ray : rays) {
         TraverseCounts counts;
         RawHit hit;
         closest_hits(levels, {&ray, 1}, &hit, &counts);
         nodes += counts.nodes;
         triangles += counts.triangles;
+        hits_hash = mix_bits(hits_hash ^ std::bit_cast<uint32_t>(hit.t) ^ uint64_t{hit.id} << 32);
+        hits_hash = mix_bits(hits_hash ^ hit.primitive);
     }
     const auto count = static_cast<double>(rays.size());
-    return {nodes / count, triangles / count};
+    return {nodes / count, triangles / count, hits_hash};
+}
+
+Work work_of_rays(const Blas& blas, std::span<const Ray> rays) {
+    return work_of_rays(LoneBlas(blas).levels(), rays);
 }
 
 std::string short_number(double number) {
