@@ -96,6 +96,7 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
     build_blas(moving.positions(0), moving.corners, builder, &refitted);
     std::vector<Row> rows;
     for (int frame = 0; frame <= kLastFrame; frame += settings.pick(24, 8, 2)) {
+        stop_if_interrupted();
         const std::vector<glm::vec3> positions = moving.positions(frame);
         refit_blas(positions, moving.corners, &refitted);
         Blas rebuilt;

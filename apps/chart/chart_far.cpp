@@ -141,6 +141,7 @@ std::vector<Row> measure(double distance, const Settings& settings) {
     const ClosedBall ball = make_ball();
     std::vector<Row> rows;
     for (const Placed& placed : kPlaced) {
+        stop_if_interrupted();
         const Trs trs = trs_of(placed, distance);
         const test::BruteForce truth = make_truth(ball, trs);
         const std::vector<Ray> rays = make_rays(trs.translation, settings.pick<size_t>(500, 5'000, 100'000));

@@ -63,6 +63,7 @@ std::vector<Row> measure(const std::string& name, const Settings& settings) {
     }
     // The same frames for all, in turn; frame 0 builds and makes room.
     for (int frame = 0; frame <= frame_count; ++frame) {
+        stop_if_interrupted();
         for (size_t k = 0; k < players.size(); ++k) {
             Player& player = *players[(k + static_cast<size_t>(frame)) % players.size()];
             set_thread_count(player.threads);

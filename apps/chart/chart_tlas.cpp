@@ -161,6 +161,7 @@ std::vector<Row> measure(const Family& family, int count, const Settings& settin
     std::vector<double> stage_ms;
     Peers peers(settings.has_peer && family.is_rows);
     for (int frame = 0; frame <= frame_count; ++frame) {
+        stop_if_interrupted();
         const bool is_counted = frame > 0;  // the first one makes room
         const FrameRecord record = frame_run.run(frame, nullptr, false);
         const Tlas& tlas = frame_run.tlas();

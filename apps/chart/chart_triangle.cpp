@@ -171,7 +171,7 @@ uint64_t count_missed(const std::vector<EdgeRay>& shots, const std::vector<Hit>&
 /// The kernels that rays go through, single rays.
 std::vector<Row> measure_trees(const Settings& settings) {
     const ClosedBall ball(64);
-    const size_t ray_count = settings.pick<size_t>(50'000, 1'000'000, 10'000'000);
+    const size_t ray_count = settings.pick<size_t>(50'000, 1'000'000, 2'000'000);
     std::vector<EdgeRay> shots(ray_count);
     std::vector<Ray> rays(ray_count);
     for (size_t k = 0; k < ray_count; ++k) rays[k] = (shots[k] = edge_ray(ball, 4, k)).ray;

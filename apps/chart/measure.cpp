@@ -12,11 +12,15 @@
 
 namespace zoe::chart {
 
+void stop_if_interrupted() {
+    if (is_interrupted()) throw Interrupted("interrupted; the same command goes on from here");
+}
+
 std::vector<std::vector<double>> measure_in_turn(std::span<const std::function<double()>> works, int rounds) {
     std::vector<std::vector<double>> results(works.size());
     for (const auto& work : works) work();
     for (int round = 0; round < rounds; ++round) {
-        if (is_interrupted()) throw Interrupted("interrupted; the same command goes on from here");
+        stop_if_interrupted();
         for (size_t k = 0; k < works.size(); ++k) {
             const size_t turn = (k + static_cast<size_t>(round)) % works.size();
             results[turn].push_back(works[turn]());

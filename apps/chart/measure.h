@@ -10,6 +10,10 @@
 
 namespace zoe::chart {
 
+/// What long work calls between its parts.
+/// Throws     Interrupted after SIGINT or SIGTERM.
+void stop_if_interrupted();
+
 /// Calls each of the works once a round, in turn and beginning with another one each time, so that what disturbs the machine
 /// disturbs all alike. A round before those that count warms up.
 /// works      each returns what it measured, such as ms.
