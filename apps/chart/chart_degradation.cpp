@@ -124,8 +124,7 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
 std::string caption(const Chart& chart) {
     std::string text =
         "Full-sweep trees of frame 0, refitted to each frame, beside trees built for it. At its worst frame a refitted "
-        "tree's rays "
-        "take";
+        "tree's rays take";
     const Panel& work = chart.panel(kWork);
     for (const Series& series : work.series) {
         const Point& worst = *std::ranges::max_element(series.points, {}, [](const Point& p) { return p.y.median; });

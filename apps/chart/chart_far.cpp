@@ -181,10 +181,8 @@ std::string caption(const Chart& chart) {
                             placed.series);
     text += fmt::format(
         " times its radius from the origin. The default keeps vertices local and moves the ray. At a distance of {} radii "
-        "its hits "
-        "are off by {} radii where the matrix only moves the ball and by {} where it turns it, too; those on vertices that "
-        "were "
-        "placed in double and rounded to float by {}.",
+        "its hits are off by {} radii where the matrix only moves the ball and by {} where it turns it, too; those on "
+        "vertices that were placed in double and rounded to float by {}.",
         short_number(farthest), error("instanced"), error("instanced, turned"), error("baked"));
     return text;
 }

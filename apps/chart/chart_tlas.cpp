@@ -213,10 +213,9 @@ std::string caption(const Chart& chart, int most, const Settings& settings) {
         return 1e-6 * most * chart.point(kBuild, series, most).y.median;
     };
     std::string text = fmt::format(
-        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: exact clustering up to {} instances, "
-        "beyond them the fast form with radius {}. Over {} instances that "
-        "takes {} ms, "
-        "exact clustering {} times as long, binned SAH {} times.",
+        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: exact clustering up to {} "
+        "instances, beyond them the fast form with radius {}. Over {} instances that takes {} ms, exact clustering {} "
+        "times as long, binned SAH {} times.",
         config.exact_up_to, config.search_radius, short_number(most), short_number(build_ms(fast)),
         short_number(build_ms("exact") / build_ms(fast)), short_number(build_ms("binned") / build_ms(fast)));
     for (const Family& family : {kRows, kScattered}) {
@@ -225,8 +224,7 @@ std::string caption(const Chart& chart, int most, const Settings& settings) {
         const auto nodes = [&](const std::string& series) { return chart.point(panel, series, x).y.median; };
         text += fmt::format(
             " Over {} instances ({}) rays visit {} times as many nodes of the default's trees as of exact ones, and of "
-            "binned "
-            "ones {} times as many as of the default's.",
+            "binned ones {} times as many as of the default's.",
             short_number(x), family.name, short_number(nodes(default_name(static_cast<int>(x)))),
             short_number(nodes("binned") / nodes(default_name(static_cast<int>(x)))));
     }

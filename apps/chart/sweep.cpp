@@ -61,7 +61,10 @@ std::vector<Row> Sweep::rows_from_before(const Chart& chart) const {
     }
     if (!table) return {};
     for (const auto& [name, text] : origin_) {
-        if (table->note(kInOrigin + name) != text) return {};
+        if (table->note(kInOrigin + name) == text) continue;
+        fmt::print(stderr, "zoetrope-chart: {}.csv holds points of another {} ({}): all is measured anew\n", chart.name,
+                   name, table->note(kInOrigin + name));
+        return {};
     }
     return std::move(table->rows);
 }
