@@ -63,7 +63,8 @@ public:
         for (const uint32_t slot : slots_) placed_.push_back(tlas.placed[slot]);
         return work_of_rays({.top = &tree_,
                              .instances = placed_.data(),
-                             .stack_size = tlas.stack_size - tlas.tree.stack_size() + tree_.stack_size()},
+                             .stack_size = tlas.stack_size - tlas.tree.stack_size() + tree_.stack_size(),
+                             .slack = tlas.slack},
                             rays);
     }
 
@@ -169,7 +170,7 @@ std::vector<Row> measure(const Family& family, int count, const Settings& settin
         if (!is_counted) continue;
         stage_ms.push_back(record.stats.build_tlas_ms);
         std::vector<Aabb> boxes;
-        for (const PlacedBlas& placed : tlas.placed) boxes.push_back(placed.bounds_world);
+        for (const uint32_t part : tlas.slots) boxes.push_back(tlas.boxes[part]);
         std::vector<Ray> rays;
         for (const RayKind kind : {RayKind::kPrimary, RayKind::kDiffuse})
             rays.insert(rays.end(), frame_run.rays(kind).begin(), frame_run.rays(kind).end());

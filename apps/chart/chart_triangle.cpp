@@ -42,7 +42,7 @@ constexpr Method kMethods[] = {
 
 /// Where nothing is missed, the rate that one may still bet on, 19 to 1: 3 of so many.
 Point missed_point(const Spread& x, uint64_t missed, uint64_t shot) {
-    const double per_billion = 1e9 * static_cast<double>(std::max<uint64_t>(missed, 3)) / static_cast<double>(shot);
+    const double per_billion = 1e9 * static_cast<double>(missed > 0 ? missed : 3) / static_cast<double>(shot);
     // Counts scatter by their root.
     const double scatter = missed > 0 ? 1.0 / std::sqrt(static_cast<double>(missed)) : 0.0;
     return {.x = x,
