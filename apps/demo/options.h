@@ -25,7 +25,7 @@ struct Options {
     std::optional<glm::dvec3> eye, target;
     std::optional<float> fov_degrees;
     std::optional<glm::dvec3> origin;  ///< Scene::origin ...
-    bool begins_at_eye = false;       ///< ... or wherever the camera is in frame 0.
+    bool begins_at_eye = false;        ///< ... or wherever the camera is in frame 0.
 
     std::optional<PictureSize> size;
     std::optional<int> spp;
