@@ -50,6 +50,17 @@ Work work_of_rays(const Blas& blas, std::span<const Ray> rays) {
     return work_of_rays(LoneBlas(blas).levels(), rays);
 }
 
+double power_of_doubling(std::span<const Point> points) {
+    const double middle = 0.5 * (static_cast<double>(points.size()) - 1.0);
+    double products = 0.0, squares = 0.0;
+    for (size_t k = 0; k < points.size(); ++k) {
+        const double x = static_cast<double>(k) - middle;
+        products += x * std::log2(points[k].y.median);
+        squares += x * x;
+    }
+    return products / squares;
+}
+
 std::string short_number(double number) {
     if (number == 0.0) return "0";
     const double size = std::abs(number);

@@ -28,6 +28,11 @@ struct Work {
 Work work_of_rays(const TwoLevels& levels, std::span<const Ray> rays);
 Work work_of_rays(const Blas& blas, std::span<const Ray> rays);
 
+/// The power of a quantity that y follows, where the quantity is twice as large at each point as at the last: by least
+/// squares over the logarithms.
+/// Requires   two points or more, y above 0.
+double power_of_doubling(std::span<const Point> points);
+
 /// "3.21", "0.0131", "1,230", "15.2 million": three digits or more that count.
 std::string short_number(double number);
 

@@ -60,6 +60,13 @@ constexpr std::array kStyles = {
     Style{"static", kGreen, kCircle, true},
     Style{"deforming", kSkyBlue, kTriangle, true},
     Style{"arbitrary", kOrange, kSquare, true},
+    // How often light bounces.
+    Style{"no bounce", kBlack, kCross, true},
+    Style{"1 bounce", kOrange, kSquare, true},
+    Style{"2 bounces", kSkyBlue, kTriangle, true},
+    Style{"4 bounces", kGreen, kCircle, true},
+    Style{"8 bounces", kPurple, kDiamond, true},
+    Style{"4 bounces, random", kGreen, kOpenCircle, true},
     // Stages of a frame.
     Style{"ideal", kGrey, 0, true},
     Style{"animate", kSkyBlue, kOpenTriangle, true},

@@ -10,6 +10,7 @@
 #include "apps/chart/builders.h"
 #include "apps/chart/charts.h"
 #include "apps/chart/gnuplot.h"
+#include "apps/chart/measure.h"
 #include "apps/chart/style.h"
 #include "apps/common/open_scene.h"
 #include "engine/bvh/build_clusters.h"
@@ -219,6 +220,26 @@ TEST(Charts, WhatABuilderTakesInAllIsNeverLessThanTheBest) {
         for (const Series& series : panel.series)
             for (const Point& point : series.points) EXPECT_GE(point.y.median, 1.0) << panel.name << ' ' << series.name;
         EXPECT_GT(panel.find("SBVH")->points.front().y.median, 1.0) << "no build is cheaper than SBVH's";
+    }
+}
+
+/// The error of a mean of independent samples goes with the power -1/2, and of samples that are spread evenly faster.
+TEST(Charts, NoiseGoesWithTheRootOfTheSamples) {
+    const Chart chart = make("picture");
+    const Panel& panel = chart.panels[0];
+    const Series &random = *panel.find("4 bounces, random"), &spread = *panel.find("4 bounces");
+    EXPECT_NEAR(power_of_doubling(random.points), -0.5, 0.05);
+    EXPECT_LT(power_of_doubling(spread.points), power_of_doubling(random.points));
+    EXPECT_LT(spread.points.back().y.median, random.points.back().y.median);
+}
+
+TEST(Charts, LightThatBouncesMoreOftenIsMissedLess) {
+    const Chart chart = make("picture");
+    double before = std::numeric_limits<double>::infinity();
+    for (const char* const name : {"no bounce", "1 bounce", "2 bounces"}) {
+        const double left = chart.panels[0].find(name)->points.back().y.median;
+        EXPECT_LT(left, before) << name;
+        before = left;
     }
 }
 
