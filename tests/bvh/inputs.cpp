@@ -9,6 +9,7 @@
 #include "engine/bvh/build_binned.h"
 #include "engine/bvh/build_median.h"
 #include "engine/bvh/build_ploc.h"
+#include "engine/bvh/build_poses.h"
 #include "engine/bvh/build_sweep.h"
 #include "tests/math/random_inputs.h"
 
@@ -35,6 +36,14 @@ TestMesh first(const TestMesh& mesh, int count, const std::string& name) {
     result.name = name;
     result.corners.resize(count);
     return result;
+}
+
+// The boxes where they are, backwards, and somewhere else each.
+Bvh over_three_poses(std::span<const Aabb> boxes) {
+    std::vector<Aabb> poses(boxes.begin(), boxes.end());
+    poses.insert(poses.end(), boxes.rbegin(), boxes.rend());
+    for (size_t k = 0; k < boxes.size(); ++k) poses.push_back(boxes[(k * 7919) % boxes.size()]);
+    return build_poses(poses, 3, {.bin_count = 8, .block_size = 4, .node_cost = 0.5f});
 }
 
 }  // namespace
@@ -203,6 +212,8 @@ std::vector<NamedBuilder> all_builders() {
         {"binned, blocks of four", [](Boxes boxes) { return build_binned(boxes, {.block_size = 4, .node_cost = 0.5f}); }},
         {"binned, two bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 2, .max_leaf_size = 1}); }},
         {"binned, 64 bins", [](Boxes boxes) { return build_binned(boxes, {.bin_count = 64, .max_leaf_size = 4}); }},
+        {"over one pose", [](Boxes boxes) { return build_poses(boxes, 1); }},
+        {"over three poses", [](Boxes boxes) { return over_three_poses(boxes); }},
         {"median", [](Boxes boxes) { return build_median(boxes); }},
         {"median, leaves of one", [](Boxes boxes) { return build_median(boxes, 1); }},
         {"agglomerative", [](Boxes boxes) { return build_agglomerative(boxes); }, true, true},
