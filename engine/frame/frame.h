@@ -30,9 +30,14 @@ struct FrameStats {
 ///
 /// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
 /// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
-///            for warnings).
+///            for warnings, and for memory that the first rebuild of a deforming node's tree takes).
 /// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
+
+/// Tells how many rays were traced through the last frame: what trees of deforming nodes that have worn out cost. Never what
+/// is hit. Where it is not told, `RebuildConfig` has a number.
+/// Throws     std::logic_error before the first `advance`.
+void report_rays(Scene& scene, uint64_t ray_count);
 
 /// World matrix of a node at the last `advance`: cameras and lights. The world begins at `Scene::origin`.
 /// Throws     std::logic_error before the first one.

@@ -70,13 +70,50 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
 void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
     const Mesh& mesh = scene[shape->mesh];
     if (action_for(*shape, state) == Action::kRefit) {
-        refit_blas(shape->positions, mesh.corners, shape->blas);
+        shape->watch.is_refitted |= refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
     } else {
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
         make(shape->positions, mesh.corners, method_for(shape->motion.motion, state), scene.tree_cache.get(), shape->blas,
              is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
+        shape->watch = {.triangle_count = shape->blas->triangle_count};
+        note_build(shape->blas->tree.summed_cost(), &shape->watch);
     }
     shape->has_blas = true;
+}
+
+// How many of a frame's rays enter a shape: of random lines through a convex body, the share that meets one inside of it is
+// that of their surfaces. As it stood in the last frame; none where it was not shown.
+double rays_into(const Shape& shape, const FrameState& state, double frame_rays) {
+    const Tlas& tlas = state.tlas;
+    if (tlas.instance_of_node.empty()) return 0.0;
+    const uint32_t at = tlas.instance_of_node[index(shape.node)];
+    if (at == kNoInstance) return 0.0;
+    const double all = tlas.bounds_world.half_area(), own = tlas.instances[at].bounds_world.half_area();
+    return frame_rays * (all > own ? own / all : 1.0);
+}
+
+// Rebuilds trees that have worn out.
+void rebuild_worn(const Scene& scene, FrameState* state, FrameStats* stats) {
+    BlasWork& work = state->blas_work;
+    work.watches.clear();
+    const double frame_rays = state->traced_rays.is_told ? state->traced_rays.mean : scene.rebuild.frame_rays;
+    for (Shape* shape : work.refitted) {
+        add_loss(shape->blas->tree.summed_cost(), rays_into(*shape, *state, frame_rays), &shape->watch);
+        work.watches.push_back(&shape->watch);
+    }
+    choose_rebuilds(scene.rebuild, work.watches, &work.worn);
+    parallel_for(0, work.worn.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            Shape* shape = work.refitted[work.worn[k]];
+            build_blas(shape->positions, scene[shape->mesh].corners, BlasBuilder::kBinned, shape->blas,
+                       &shape->blas_scratch);
+            note_build(shape->blas->tree.summed_cost(), &shape->watch);
+        }
+    });
+    for (const uint32_t k : work.worn) {
+        --(work.refitted[k]->is_changed ? stats->refitted : stats->kept);
+        ++stats->rebuilt;
+    }
 }
 
 void warn_of_cache(Scene& scene) {
@@ -89,9 +126,12 @@ void warn_of_cache(Scene& scene) {
 
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     // A shared BLAS is built by the first node that shows it; the work list holds every tree once.
-    std::vector<Shape*>& work = state->blas_work;
+    std::vector<Shape*>& work = state->blas_work.changed;
+    std::vector<Shape*>& refitted = state->blas_work.refitted;
     work.clear();
+    refitted.clear();
     for (Shape& shape : state->shapes) {
+        if (method_for(shape.motion.motion, *state).is_refitted) refitted.push_back(&shape);
         const Action action = action_for(shape, *state);
         (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
         if (action == Action::kKeep) continue;
@@ -110,6 +150,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     stats->loaded += counts.loaded;
     stats->stored += counts.stored;
     if (scene.tree_cache) warn_of_cache(scene);
+    rebuild_worn(scene, state, stats);
     for (const Shape* shape : work) {
         if (const uint32_t count = shape->blas->not_finite_count; count > 0) {
             scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +

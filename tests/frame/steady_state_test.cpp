@@ -14,9 +14,11 @@ constexpr int kFrames = 24;
 
 class SteadyState : public testing::TestWithParam<const char*> {};
 
-TEST_P(SteadyState, AllocatesNothing) {
+// frame_rays   0: trees of deforming nodes are never rebuilt. Very many: as often as can be.
+void expect_no_allocation(const char* name, double frame_rays) {
     set_thread_count(1);  // With more, the scheduler allocates its own tasks.
-    Content content = make_content(GetParam());
+    Content content = make_content(name);
+    content.scene.rebuild = {.most_share = 1.0, .frame_rays = frame_rays};
     size_t allocation_count = 0;
     FrameStats stats;
     // In the first round, every array reaches its largest size.
@@ -35,6 +37,13 @@ TEST_P(SteadyState, AllocatesNothing) {
     EXPECT_GT(stats.refitted + stats.rebuilt + stats.kept, 0u);
     EXPECT_GE(stats.rebuilt, content.write ? uint32_t(kFrames - 1) : 0u) << "meshes that are written";
     set_thread_count(0);
+}
+
+TEST_P(SteadyState, AllocatesNothing) {
+    for (const double frame_rays : {0.0, 1e12}) {
+        SCOPED_TRACE(testing::Message() << frame_rays << " rays a frame");
+        expect_no_allocation(GetParam(), frame_rays);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Content, SteadyState,
