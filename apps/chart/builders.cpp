@@ -99,9 +99,7 @@ std::vector<Builder> all_builders() {
 }
 
 Builder binned(int bin_count) {
-    return {.series = "binned, by bins",
-            .label = std::to_string(bin_count),
-            .build = [=](const WorldMesh& mesh, Blas* blas, BlasScratch* scratch) {
+    return {.series = "binned", .build = [=](const WorldMesh& mesh, Blas* blas, BlasScratch* scratch) {
                 const size_t count = mesh.corners().size();
                 BinnedConfig config = blas_binned_config();
                 config.bin_count = bin_count;
@@ -183,10 +181,9 @@ std::vector<MeasuredTree> measure_trees(const MeshSample& sample, const std::vec
         MeasuredTree tree{.build_ms = spread_of(build_ms[k]), .ray_ns = spread_of(ray_ns[k])};
         if (k < builders.size()) {
             tree.series = builders[k].series;
-            tree.label = builders[k].label;
             tree.sah = sah_cost(trees[k].blas.tree, 1.0f);
             tree.epo = epo(trees[k].scratch.bvh, mesh);
-            tree.work = work_of_rays(LoneBlas(trees[k].blas).levels(), sample.rays);
+            tree.work = work_of_rays(trees[k].blas, sample.rays);
         } else {
             tree.series = kPeerQualities[k - builders.size()].series;
         }

@@ -17,7 +17,6 @@ namespace zoe::chart {
 /// A way to build a tree over a mesh.
 struct Builder {
     std::string series;
-    std::string label = "";
     /// Leaves the binary tree in scratch->bvh.
     std::function<void(const WorldMesh& mesh, Blas* blas, BlasScratch* scratch)> build;
 };
@@ -33,7 +32,7 @@ BlasBuilder default_builder(Motion motion, uint64_t triangle_count);
 
 /// What a tree cost, and what it is worth.
 struct MeasuredTree {
-    std::string series, label;
+    std::string series;
     Spread build_ms, ray_ns;      ///< A diffuse ray, on all threads.
     double sah = 0.0, epo = 0.0;  ///< 0 of a peer's tree; so is what follows.
     Work work;                    ///< Of a diffuse ray.

@@ -27,7 +27,7 @@ std::vector<Row> measure(const MeshSubject& subject, const Settings& settings) {
         const auto add = [&](const char* measure, const Spread& y) {
             rows.push_back({.panel = panel_name(subject, measure),
                             .series = tree.series,
-                            .point = {.x = tree.build_ms, .y = y, .label = tree.label, .is_default = is_default}});
+                            .point = {.x = tree.build_ms, .y = y, .is_default = is_default}});
         };
         add(kSpeed, {1e3 / tree.ray_ns.median, 1e3 / tree.ray_ns.high, 1e3 / tree.ray_ns.low});
         if (tree.is_peer()) continue;
@@ -76,13 +76,14 @@ Chart builders(Sweep& sweep) {
     for (const Measure& measure : kMeasures) {
         for (const MeshSubject& subject : all) {
             const bool is_speed = measure.is_more_better;
-            chart.panels.push_back({.name = panel_name(subject, measure.name),
-                                    .x = {.name = "build", .unit = "ms", .is_log = true},
-                                    .y = {.name = is_speed ? "diffuse rays" : measure.name,
-                                          .unit = is_speed ? "million/s" : "",
-                                          .is_more_better = measure.is_more_better},
-                                    .is_trade = true,
-                                    .has_labels = true});
+            chart.panels.push_back({
+                .name = panel_name(subject, measure.name),
+                .x = {.name = "build", .unit = "ms", .is_log = true},
+                .y = {.name = is_speed ? "diffuse rays" : measure.name,
+                      .unit = is_speed ? "million/s" : "",
+                      .is_more_better = measure.is_more_better},
+                .is_trade = true,
+            });
         }
     }
     std::vector<Step> steps;

@@ -8,7 +8,6 @@
 #include "apps/chart/charts.h"
 #include "apps/chart/closed_ball.h"
 #include "apps/chart/measure.h"
-#include "apps/common/lone_blas.h"
 #include "apps/common/open_scene.h"
 #include "content/shapes.h"
 #include "engine/math/parallel.h"
@@ -86,7 +85,7 @@ std::vector<Ray> make_rays(const Aabb& box, size_t count, uint64_t seed) {
 
 /// In tests of a node's eight boxes, as the trees' own cost model counts.
 double work_of(const Blas& blas, std::span<const Ray> rays) {
-    const Work work = work_of_rays(LoneBlas(blas).levels(), rays);
+    const Work work = work_of_rays(blas, rays);
     return work.nodes + CollapseConfig{}.block_cost * work.triangles / TriangleBlock::kSize;
 }
 
@@ -97,6 +96,7 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
     build_blas(moving.positions(0), moving.corners, builder, &refitted);
     std::vector<Row> rows;
     for (int frame = 0; frame <= kLastFrame; frame += settings.pick(24, 8, 2)) {
+        stop_if_interrupted();
         const std::vector<glm::vec3> positions = moving.positions(frame);
         refit_blas(positions, moving.corners, &refitted);
         Blas rebuilt;
@@ -124,8 +124,7 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
 std::string caption(const Chart& chart) {
     std::string text =
         "Full-sweep trees of frame 0, refitted to each frame, beside trees built for it. At its worst frame a refitted "
-        "tree's rays "
-        "take";
+        "tree's rays take";
     const Panel& work = chart.panel(kWork);
     for (const Series& series : work.series) {
         const Point& worst = *std::ranges::max_element(series.points, {}, [](const Point& p) { return p.y.median; });

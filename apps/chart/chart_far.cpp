@@ -148,6 +148,7 @@ std::vector<Row> measure(double distance, const Settings& settings) {
     const ClosedBall ball = make_ball();
     std::vector<Row> rows;
     for (const Placed& placed : kPlaced) {
+        stop_if_interrupted();
         const Trs trs = trs_of(placed, distance);
         const test::BruteForce truth = make_truth(ball, trs, origin_of(placed, trs));
         const glm::vec3 place(glm::dvec3(trs.translation) - origin_of(placed, trs));

@@ -61,12 +61,14 @@ std::vector<Row> measure(const std::string& name, const Settings& settings) {
         player.frame_run = std::make_unique<FrameRun>(player.content, choose_view(player.content, scene), scene.size);
         player.threads = count;
     }
-    // The same frames for all, in turn; frame 0 builds and makes room.
+    // The same frames for all, in turn; the first builds and makes room.
     for (int frame = 0; frame <= frame_count; ++frame) {
+        stop_if_interrupted();
         for (size_t k = 0; k < players.size(); ++k) {
             Player& player = *players[(k + static_cast<size_t>(frame)) % players.size()];
             set_thread_count(player.threads);
-            const FrameRecord record = player.frame_run->run(frame, nullptr, false);
+            player.frame_run->run(2 * frame, nullptr, false);  // threads that were just started are slow to come
+            const FrameRecord record = player.frame_run->run(2 * frame + 1, nullptr, false);
             for (size_t stage = 0; stage < kStages.size() && frame > 0; ++stage)
                 player.ms[stage].push_back(record.stats.*kStages[stage].ms);
         }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -62,7 +63,8 @@ public:
         for (const uint32_t slot : slots_) placed_.push_back(tlas.placed[slot]);
         return work_of_rays({.top = &tree_,
                              .instances = placed_.data(),
-                             .stack_size = tlas.stack_size - tlas.tree.stack_size() + tree_.stack_size()},
+                             .stack_size = tlas.stack_size - tlas.tree.stack_size() + tree_.stack_size(),
+                             .slack = tlas.slack},
                             rays);
     }
 
@@ -107,6 +109,17 @@ struct Taken {
     std::vector<double> build_ms, nodes;
 };
 
+std::vector<double> ratios(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> result;
+    for (size_t k = 0; k < a.size(); ++k) result.push_back(a[k] / b[k]);
+    return result;
+}
+
+std::vector<double> scaled(std::vector<double> numbers, double factor) {
+    for (double& number : numbers) number *= factor;
+    return numbers;
+}
+
 /// The whole stage in the frames of a scene, ours and Embree's.
 class Peers {
 public:
@@ -127,7 +140,7 @@ public:
         for (size_t k = 0; k < peers_.size(); ++k) {
             rows->push_back({.panel = kBuild,
                              .series = k == 0 ? "Embree LOW" : "Embree MEDIUM",
-                             .point = {.x = Spread::exactly(count), .y = spread_of(build_ms_[k])}});
+                             .point = {.x = Spread::exactly(count), .y = spread_of(scaled(build_ms_[k], 1e6 / count))}});
         }
     }
 
@@ -135,17 +148,6 @@ private:
     std::vector<std::unique_ptr<EmbreePeer>> peers_;
     std::vector<std::vector<double>> build_ms_;
 };
-
-std::vector<double> ratios(const std::vector<double>& a, const std::vector<double>& b) {
-    std::vector<double> result;
-    for (size_t k = 0; k < a.size(); ++k) result.push_back(a[k] / b[k]);
-    return result;
-}
-
-std::vector<double> scaled(std::vector<double> numbers, double factor) {
-    for (double& number : numbers) number *= factor;
-    return numbers;
-}
 
 std::vector<Row> measure(const Family& family, int count, const Settings& settings) {
     const std::string name = fmt::format("instances-{}", count);
@@ -160,6 +162,7 @@ std::vector<Row> measure(const Family& family, int count, const Settings& settin
     std::vector<double> stage_ms;
     Peers peers(settings.has_peer && family.is_rows);
     for (int frame = 0; frame <= frame_count; ++frame) {
+        stop_if_interrupted();
         const bool is_counted = frame > 0;  // the first one makes room
         const FrameRecord record = frame_run.run(frame, nullptr, false);
         const Tlas& tlas = frame_run.tlas();
@@ -167,16 +170,20 @@ std::vector<Row> measure(const Family& family, int count, const Settings& settin
         if (!is_counted) continue;
         stage_ms.push_back(record.stats.build_tlas_ms);
         std::vector<Aabb> boxes;
-        for (const PlacedBlas& placed : tlas.placed) boxes.push_back(placed.bounds_world);
+        for (const uint32_t part : tlas.slots) boxes.push_back(tlas.boxes[part]);
         std::vector<Ray> rays;
         for (const RayKind kind : {RayKind::kPrimary, RayKind::kDiffuse})
             rays.insert(rays.end(), frame_run.rays(kind).begin(), frame_run.rays(kind).end());
+        const uint64_t hits_hash = work_of_rays(tlas.levels(), rays).hits_hash;
         std::vector<std::function<double()>> works;
         for (TopLevel& method : methods) works.emplace_back([&] { return method.build(boxes); });
         const std::vector<std::vector<double>> times_ms = measure_in_turn(works, repeats);
         for (size_t k = 0; k < methods.size(); ++k) {
             taken[k].build_ms.push_back(spread_of(times_ms[k]).median);
-            taken[k].nodes.push_back(methods[k].work(tlas, rays).nodes);
+            const Work work = methods[k].work(tlas, rays);
+            taken[k].nodes.push_back(work.nodes);
+            if (work.hits_hash != hits_hash)
+                throw std::runtime_error(fmt::format("{}: the tree by {} gives other hits", name, methods[k].name()));
         }
     }
     std::vector<Row> rows;
@@ -188,12 +195,14 @@ std::vector<Row> measure(const Family& family, int count, const Settings& settin
                             .series = methods[k].name(),
                             .point = {.x = x, .y = spread_of(y), .is_default = is_default}});
         };
-        if (family.is_rows) add(kBuild, n, taken[k].build_ms);
+        if (family.is_rows) add(kBuild, n, scaled(taken[k].build_ms, 1e6 / n.median));
         add(family.nodes_panel(), n, ratios(taken[k].nodes, taken[0].nodes));
         if (is_trade(family, count, settings))
             add(family.trade_panel(count), spread_of(scaled(taken[k].build_ms, 1e6 / n.median)), taken[k].nodes);
     }
-    if (family.is_rows) rows.push_back({.panel = kBuild, .series = kStage, .point = {.x = n, .y = spread_of(stage_ms)}});
+    if (family.is_rows)
+        rows.push_back(
+            {.panel = kBuild, .series = kStage, .point = {.x = n, .y = spread_of(scaled(stage_ms, 1e6 / n.median))}});
     peers.add_rows(count, &rows);
     return rows;
 }
@@ -201,12 +210,13 @@ std::vector<Row> measure(const Family& family, int count, const Settings& settin
 std::string caption(const Chart& chart, int most, const Settings& settings) {
     const ClusterConfig config;
     const std::string fast = fast_name(config.search_radius);
-    const auto build_ms = [&](const std::string& series) { return chart.point(kBuild, series, most).y.median; };
+    const auto build_ms = [&](const std::string& series) {
+        return 1e-6 * most * chart.point(kBuild, series, most).y.median;
+    };
     std::string text = fmt::format(
-        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: exact clustering up to {} instances, "
-        "beyond them the fast form with radius {}. Over {} instances that "
-        "takes {} ms, "
-        "exact clustering {} times as long, binned SAH {} times.",
+        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: exact clustering up to {} "
+        "instances, beyond them the fast form with radius {}. Over {} instances that takes {} ms, exact clustering {} "
+        "times as long, binned SAH {} times.",
         config.exact_up_to, config.search_radius, short_number(most), short_number(build_ms(fast)),
         short_number(build_ms("exact") / build_ms(fast)), short_number(build_ms("binned") / build_ms(fast)));
     for (const Family& family : {kRows, kScattered}) {
@@ -215,8 +225,7 @@ std::string caption(const Chart& chart, int most, const Settings& settings) {
         const auto nodes = [&](const std::string& series) { return chart.point(panel, series, x).y.median; };
         text += fmt::format(
             " Over {} instances ({}) rays visit {} times as many nodes of the default's trees as of exact ones, and of "
-            "binned "
-            "ones {} times as many as of the default's.",
+            "binned ones {} times as many as of the default's.",
             short_number(x), family.name, short_number(nodes(default_name(static_cast<int>(x)))),
             short_number(nodes("binned") / nodes(default_name(static_cast<int>(x)))));
     }
@@ -239,7 +248,7 @@ Chart tlas(Sweep& sweep) {
     const Settings settings = sweep.settings();
     const Axis instances{.name = "instances", .unit = "", .is_log = true};
     Chart chart{.name = "tlas", .question = find_chart("tlas").question, .columns = 3};
-    chart.panels = {{.name = kBuild, .x = instances, .y = {.name = "time", .unit = "ms", .is_log = true}}};
+    chart.panels = {{.name = kBuild, .x = instances, .y = {.name = "time", .unit = "ns an instance", .is_log = true}}};
     for (const Family& family : {kRows, kScattered})
         chart.panels.push_back(
             {.name = family.nodes_panel(), .x = instances, .y = {.name = "nodes / nodes of exact", .unit = ""}});

@@ -12,6 +12,7 @@ namespace zoe::chart {
 /// Throws     Interrupted; what the engine throws.
 Chart tlas(Sweep& sweep);
 Chart builders(Sweep& sweep);
+Chart bins(Sweep& sweep);
 Chart pays_off(Sweep& sweep);
 Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);

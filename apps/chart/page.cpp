@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/common/open_scene.h"
 #include "apps/common/write_file.h"
 
 namespace zoe::chart {
@@ -45,7 +46,7 @@ code { background: #f2f2f2; padding: 0.1em 0.3em; }
 small { color: #555; }
 </style>
 <h1>Speed against accuracy</h1>
-<p>Medians with their quartiles. A ring marks what the engine does unless told otherwise.</p>
+<p>Medians with their quartiles, unless an axis or a caption says otherwise. A ring marks what the engine does unless told otherwise.</p>
 )";
 
 std::string machine_of(const Table& table) {
@@ -83,7 +84,12 @@ void write_page(const std::filesystem::path& folder, const std::vector<std::stri
     std::vector<Table> tables;
     std::vector<bool> has_picture;
     for (const std::string& name : names) {
-        std::optional<Table> table = read_csv(folder / (name + ".csv"));
+        std::optional<Table> table;
+        try {
+            table = read_csv(folder / (name + ".csv"));
+        } catch (const std::exception& error) {
+            fmt::print(stderr, "zoetrope-chart: warning: left out of index.html: {}\n", one_line(error.what()));
+        }
         if (!table || table->note("command").empty()) continue;  // not made, or not to its end
         tables.push_back(std::move(*table));
         has_picture.push_back(std::filesystem::exists(folder / (name + ".svg")));

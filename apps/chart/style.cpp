@@ -33,7 +33,6 @@ constexpr std::array kStyles = {
     // Builders.
     Style{"median split", kBlack, kCross, true},
     Style{"binned", kOrange, kSquare, true},
-    Style{"binned, by bins", kOrange, kOpenSquare, true},
     Style{"sweep", kSkyBlue, kTriangle, true},
     Style{"reinserted", kGreen, kCircle, true},
     Style{"SBVH", kPurple, kDiamond, true},
@@ -57,6 +56,10 @@ constexpr std::array kStyles = {
     Style{"walk", kGreen, kTriangle, true},
     Style{"twist", kOrange, kSquare, true},
     Style{"explosion", kVermilion, kDiamond, true},
+    // Motion classes.
+    Style{"static", kGreen, kCircle, true},
+    Style{"deforming", kSkyBlue, kTriangle, true},
+    Style{"arbitrary", kOrange, kSquare, true},
     // Stages of a frame.
     Style{"ideal", kGrey, 0, true},
     Style{"animate", kSkyBlue, kOpenTriangle, true},

@@ -9,8 +9,8 @@
 
 #include "apps/bench/machine.h"
 #include "apps/bench/peer_embree.h"
+#include "apps/chart/measure.h"
 #include "apps/chart/style.h"
-#include "apps/common/interrupt.h"
 #include "apps/common/progress.h"
 #include "apps/common/write_file.h"
 #include "engine/bvh/hash.h"
@@ -61,7 +61,10 @@ std::vector<Row> Sweep::rows_from_before(const Chart& chart) const {
     }
     if (!table) return {};
     for (const auto& [name, text] : origin_) {
-        if (table->note(kInOrigin + name) != text) return {};
+        if (table->note(kInOrigin + name) == text) continue;
+        fmt::print(stderr, "zoetrope-chart: {}.csv holds points of another {} ({}): all is measured anew\n", chart.name,
+                   name, table->note(kInOrigin + name));
+        return {};
     }
     return std::move(table->rows);
 }
@@ -84,7 +87,7 @@ void Sweep::run(const std::vector<Step>& steps, Chart* chart) {
     Progress progress(chart->name, share_sum);
     rows_.clear();
     for (const Step& step : steps) {
-        if (is_interrupted()) throw Interrupted("interrupted; the same command goes on from here");
+        stop_if_interrupted();
         progress.update(done, step.name);
         const size_t first = rows_.size();
         std::ranges::copy_if(before, std::back_inserter(rows_), [&](const Row& row) { return is_of_step(row, step); });

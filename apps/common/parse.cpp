@@ -53,8 +53,8 @@ PictureSize parse_size(std::string_view text) {
     return {*width, *height};
 }
 
-glm::vec3 parse_point(std::string_view text, const std::string& option) {
-    glm::vec3 point{0.0f};
+glm::dvec3 parse_point(std::string_view text, const std::string& option) {
+    glm::dvec3 point{0.0};
     std::string_view rest = text;
     for (int axis = 0; axis < 3; ++axis) {
         const size_t comma = axis < 2 ? rest.find(',') : rest.size();
@@ -63,7 +63,7 @@ glm::vec3 parse_point(std::string_view text, const std::string& option) {
         // Far beyond any scene, squared distances no longer fit a float.
         if (!value || std::abs(*value) > 1e15)
             throw UsageError(fmt::format("{} {}: give X,Y,Z in metres, such as 0,1.5,4", option, text));
-        point[axis] = static_cast<float>(*value);
+        point[axis] = *value;
         if (axis < 2) rest.remove_prefix(comma + 1);
     }
     return point;

@@ -36,6 +36,6 @@ FrameRange parse_frames(std::string_view text);
 /// "640x360".
 PictureSize parse_size(std::string_view text);
 /// "1,2.5,-3". option  Its name, for the message.
-glm::vec3 parse_point(std::string_view text, const std::string& option);
+glm::dvec3 parse_point(std::string_view text, const std::string& option);
 
 }  // namespace zoe

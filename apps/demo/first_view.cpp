@@ -16,12 +16,12 @@ void set_origin(Content& content, const Options& options, ViewChoice* choice) {
     if (options.begins_at_eye) {
         advance(content, 0.0, nullptr);
         scene.origin = choice->camera    ? place_in_scene(scene, *choice->camera)
-                       : choice->look_at ? glm::dvec3(choice->look_at->eye)
+                       : choice->look_at ? *options.eye
                                          : glm::dvec3(choice->bounds.centre());
     }
     if (choice->look_at) {
-        choice->look_at->eye = glm::vec3(glm::dvec3(choice->look_at->eye) - scene.origin);
-        choice->look_at->target = glm::vec3(glm::dvec3(choice->look_at->target) - scene.origin);
+        choice->look_at->eye = glm::vec3(*options.eye - scene.origin);
+        choice->look_at->target = glm::vec3(*options.target - scene.origin);
     }
 }
 
@@ -33,7 +33,8 @@ ViewChoice first_view(Content& content, const Options& options) {
     if (options.camera) {
         choice.camera = find_camera(content.scene, *options.camera);
     } else if (options.eye) {
-        choice.look_at = ViewChoice::LookAt{*options.eye, *options.target, options.fov_degrees.value_or(45.0f)};
+        choice.look_at =
+            ViewChoice::LookAt{glm::vec3(*options.eye), glm::vec3(*options.target), options.fov_degrees.value_or(45.0f)};
     } else if (!cameras.empty()) {
         choice.camera = cameras.front();
     } else {

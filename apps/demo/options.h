@@ -22,10 +22,10 @@ struct Options {
     bool is_looping = true;
 
     std::optional<std::string> camera;
-    std::optional<glm::vec3> eye, target;
+    std::optional<glm::dvec3> eye, target;
     std::optional<float> fov_degrees;
-    std::optional<glm::vec3> origin;  ///< Scene::origin ...
-    bool begins_at_eye = false;       ///< ... or wherever the camera is in frame 0.
+    std::optional<glm::dvec3> origin;  ///< Scene::origin ...
+    bool begins_at_eye = false;        ///< ... or wherever the camera is in frame 0.
 
     std::optional<PictureSize> size;
     std::optional<int> spp;

@@ -124,7 +124,9 @@ void measure_reach(const Blas& blas, Reach* reach) {
     const Aabb bounds = blas.tree.bounds();
     const glm::vec3 size = 0.5f * bounds.extent();
     reach->centre = bounds.centre();
-    for (int k = 0; k < 3; ++k) reach->scale[k] = size[k] >= kSmallest ? size[k] : 1.0f;
+    // A flat axis is scaled as the widest one: it must not outweigh those that reach somewhere.
+    const float widest = largest(size);
+    for (int k = 0; k < 3; ++k) reach->scale[k] = size[k] >= kSmallest ? size[k] : widest >= kSmallest ? widest : 1.0f;
     for (int axis = 0; axis < 3; ++axis) {
         for (int row = 0; row <= kCells; ++row) {
             for (int column = 0; column <= kCells; ++column) {

@@ -31,7 +31,8 @@ HWY_INLINE Placed intersect_planes(const hn::Vec<RayTag>* x, const hn::Vec<RayTa
     const auto inverse = hn::Div(hn::Set(d, 1.0), hn::Add(hn::Add(u, v), w));
     const auto along = hn::Add(hn::Add(hn::Mul(u, promote(z[0])), hn::Mul(v, promote(z[1]))), hn::Mul(w, promote(z[2])));
     const auto t = hn::Mul(hn::Mul(along, inverse), promote(shear_z));
-    const auto is_placed = hn::And(is_inside, hn::Le(t, hn::Set(d, double(std::numeric_limits<float>::max()))));
+    const auto is_finite = hn::And(hn::Ge(t, zero), hn::Le(t, hn::Set(d, double(std::numeric_limits<float>::max()))));
+    const auto is_placed = hn::And(is_inside, is_finite);
     return {hn::DemoteTo(half, hn::IfThenElse(is_placed, t, hn::Set(d, -1.0))), hn::DemoteTo(half, hn::Mul(v, inverse)),
             hn::DemoteTo(half, hn::Mul(w, inverse))};
 }

@@ -177,7 +177,8 @@ void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stre
             end = blocks ? push_children<kIsAny, false>(nodes[at], spaces, stream->limit, rays, end)
                          : push_children<kIsAny, true>(nodes[at], spaces, stream->limit, rays, end);
             for (ptrdiff_t n = 1; n <= std::min<ptrdiff_t>(2, end - bottom); ++n) {
-                if (end[-n].child != kLeave) prefetch(end[-n], nodes, blocks, scene.instances);
+                if (end[-n].child == kLeave) break;  // What lies below is of the top level.
+                prefetch(end[-n], nodes, blocks, scene.instances);
             }
         } else if (blocks) {
             test_leaf<kIsAny>(blocks, at, id, spaces, rays, stream, counts);

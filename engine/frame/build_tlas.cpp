@@ -63,15 +63,20 @@ bool can_be_hit(const Shape& shape, const FrameState& state, const Aabb& bounds_
     return place(&instance);
 }
 
-// Measures the trees that stay as they are and may be turned, once a scene.
+// Measures the trees that stay as they are and are turned, once a scene: those that move, and those that many nodes show.
 void measure_reaches(const Scene& scene, FrameState* state) {
     TlasScratch& scratch = state->tlas_scratch;
     if (!scene.placing.has_tight_boxes || scratch.is_reach_measured) return;
     scratch.reaches.resize(scene.meshes.size());
+    std::vector<uint32_t> still_count(scene.meshes.size());
     for (const Shape& shape : state->shapes) {
         std::unique_ptr<Reach>& reach = scratch.reaches[index(shape.mesh)];
-        const bool is_turned = shape.motion.frame != kNone<NodeId>;
-        if (is_shared(shape) && is_turned && !reach) reach = std::make_unique<Reach>();
+        if (!is_shared(shape) || reach) continue;
+        const bool is_turned = !(world_from_local(shape, *state) == Affine{});
+        if (shape.motion.motion == Motion::kRigid || (is_turned && ++still_count[index(shape.mesh)] > 1)) {
+            reach = std::make_unique<Reach>();
+            scratch.has_reaches = true;
+        }
     }
     parallel_for(0, scratch.reaches.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
@@ -251,7 +256,7 @@ void build_tlas(Scene& scene, FrameState* state, FrameStats* stats) {
     stats->tlas_builds += is_built;
     // One more: what brings the ray back from an instance.
     tlas.stack_size = tlas.tree.stack_size() + all.deepest + 1;
-    tlas.slack = scratch.is_reach_measured ? kTightSlack : 0.0f;
+    tlas.slack = scratch.has_reaches ? kTightSlack : 0.0f;
     scratch.is_valid = true;
 }
 

@@ -60,11 +60,11 @@ struct TlasScratch {
     };
     bool is_valid = false;  ///< The top level is whole: the last frame did not throw while it worked on it.
     std::vector<Part> parts;
-    std::vector<uint8_t> is_shown;  ///< [shapes]
-    /// [meshes] of the trees that are shared; null where they show up in the world's space only.
-    std::vector<std::unique_ptr<Reach>> reaches;
-    bool is_reach_measured = false;    ///< All that are not null are.
-    std::vector<uint32_t> identities;  ///< Instances that stand in the world's space.
+    std::vector<uint8_t> is_shown;                ///< [shapes]
+    std::vector<std::unique_ptr<Reach>> reaches;  ///< [meshes] of trees whose boxes are tight where they are turned.
+    bool is_reach_measured = false;               ///< All that are not null are.
+    bool has_reaches = false;                     ///< Some are not null.
+    std::vector<uint32_t> identities;             ///< Instances that stand in the world's space.
     OpeningScratch opening;
     PlocScratch clusters;
     CollapseScratch collapse;

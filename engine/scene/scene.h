@@ -120,8 +120,9 @@ public:
     std::vector<Material> materials;
     std::vector<Image> images;
     Playback playback;  ///< From files: the first clip, looping.
-    /// Where the world's (0, 0, 0) is, in the scene's own space: taken off every node in double precision. Near it, rays and
-    /// hits are as exact as if the scene had been modelled there, however far out it is. Looked at by every `advance`.
+    /// Where the world's (0, 0, 0) is, in the scene's own space: taken off every node's place in double precision. Near
+    /// it, rays and hits are as exact as if nodes had been placed there, however far out they are; vertices that are far
+    /// out in their own mesh stay as coarse as floats are there. Looked at by every `advance`.
     glm::dvec3 origin{0.0};
     /// Where trees of static and rigid nodes are kept from run to run; null, as it is unless set: nowhere.
     std::shared_ptr<TreeCache> tree_cache;

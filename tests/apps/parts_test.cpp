@@ -40,7 +40,8 @@ TEST(Parse, FramesSizesAndPoints) {
     EXPECT_EQ(parse_frames("5-1000004").count(), kMaxFrameCount);
     EXPECT_THROW(parse_frames("5-1000005"), UsageError);
     EXPECT_EQ(parse_size("640x360").height, 360);
-    EXPECT_EQ(parse_point("1,-2.5,3e1", "--eye"), glm::vec3(1.0f, -2.5f, 30.0f));
+    EXPECT_EQ(parse_point("1,-2.5,3e1", "--eye"), glm::dvec3(1.0, -2.5, 30.0));
+    EXPECT_EQ(parse_point("16777217.5,0,0", "--eye").x, 16777217.5) << "finer than a float";
     EXPECT_THROW(parse_frames(""), UsageError);
     EXPECT_THROW(parse_frames("-"), UsageError);
     EXPECT_THROW(parse_frames("+1-2"), UsageError);

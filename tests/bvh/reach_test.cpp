@@ -101,6 +101,33 @@ TEST(Reach, BoxesHoldEveryVertexUnderAnyMap) {
     EXPECT_GT(tight_count, 200);
 }
 
+// A flat axis reaches nowhere: it must not drown what the others do, however small these are.
+TEST(Reach, BoxesHoldFlatMeshesOfAnySize) {
+    for (const float size : {1e-12f, 1e-6f, 1e-4f, 1e-2f, 1.0f, 1e6f, 1e12f}) {
+        for (int flat = 0; flat < 3; ++flat) {
+            TestMesh mesh{"card", {}, {}};
+            glm::vec3 corner[4];
+            for (int k = 0; k < 4; ++k) {
+                corner[k][(flat + 1) % 3] = k & 1 ? size : -size;
+                corner[k][(flat + 2) % 3] = k & 2 ? 0.5f * size : -size;
+                corner[k][flat] = 0.25f * size;
+            }
+            mesh.add(corner[0], corner[1], corner[3]);
+            mesh.add(corner[0], corner[3], corner[2]);
+            const Measured measured(mesh);
+            Rng rng(471);
+            for (int k = 0; k < 2000; ++k) {
+                Affine map = random_turn(rng), inverse;
+                map.linear *= 1.0f / size;
+                ASSERT_TRUE(invert(map, &inverse));
+                const Aabb whole = transform(map, measured.blas.tree.bounds());
+                EXPECT_TRUE(contains(tight_bounds(measured.reach, map, inverse, whole), exact_extent(mesh, map)))
+                    << "size " << size << ", flat along " << flat << ", seed 471, map " << k;
+            }
+        }
+    }
+}
+
 TEST(Reach, BoxesHoldLittleElse) {
     const uint64_t seed = 302;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

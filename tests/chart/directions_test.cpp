@@ -25,6 +25,15 @@ Chart make(const char* name, bool has_peer = false) {
     return find_chart(name).make(sweep);
 }
 
+std::vector<Aabb> scattered_boxes(size_t count, Rng& rng) {
+    std::vector<Aabb> boxes(count);
+    for (Aabb& box : boxes) {
+        const glm::vec3 place(rng.uniform(), rng.uniform(), rng.uniform());
+        box = {place, place + 0.02f * glm::vec3(rng.uniform(), rng.uniform(), rng.uniform())};
+    }
+    return boxes;
+}
+
 /// The only point of a series.
 double y_of(const Chart& chart, const char* panel, const char* series) {
     return chart.panel(panel).find(series)->points.front().y.median;
@@ -69,11 +78,7 @@ TEST(Charts, ExactAndFastClusteringAreWorthNearlyTheSame) {
     for (const uint64_t seed : {1, 2, 3, 4, 5}) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         Rng rng(seed);
-        std::vector<Aabb> boxes(1500);
-        for (Aabb& box : boxes) {
-            const glm::vec3 place(rng.uniform(), rng.uniform(), rng.uniform());
-            box = {place, place + 0.02f * glm::vec3(rng.uniform(), rng.uniform(), rng.uniform())};
-        }
+        const std::vector<Aabb> boxes = scattered_boxes(1500, rng);
         PlocScratch scratch;
         const double exact = sah_cost(build_agglomerative(boxes));
         for (const uint32_t radius : {2u, 8u, 32u}) {
@@ -100,6 +105,29 @@ TEST(Charts, MoreBinsAreNeverWorseInTheMean) {
         const double mean = std::cbrt(product);
         EXPECT_LE(mean, 1.02 * before) << bin_count << " bins";
         before = std::min(before, mean);
+    }
+}
+
+/// What the default gives away beside the dearest choice.
+TEST(Charts, DefaultsAreWithinFivePercentOfTheBestThatTheirKnobsGive) {
+    Rng rng(9);
+    PlocScratch scratch;
+    for (const size_t count : {300u, 3000u, 20'000u}) {
+        const std::vector<Aabb> boxes = scattered_boxes(count, rng);
+        const auto cost = [&](uint32_t radius) {
+            return sah_cost(build_ploc(boxes, {.search_radius = radius}, {}, &scratch));
+        };
+        EXPECT_LE(cost(ClusterConfig{}.search_radius), 1.05 * cost(64)) << count << " boxes, seed 9";
+    }
+    for (const char* const scene : {"static-30000", "deforming-60", "arbitrary-10000"}) {
+        const MeshSample sample = sample_mesh({.scene = scene, .motion = Motion::kStatic, .side = 8});
+        const auto cost = [&](int bin_count) {
+            Blas blas;
+            BlasScratch blas_scratch;
+            binned(bin_count).build(sample.mesh, &blas, &blas_scratch);
+            return sah_cost(blas.tree, 1.0f);
+        };
+        EXPECT_LE(cost(blas_binned_config().bin_count), 1.05 * cost(64)) << scene;
     }
 }
 

@@ -84,5 +84,20 @@ TEST(ChartProgram, WithoutGnuplotThePointsAreThereAndNothingIsMeasuredTwice) {
                                                                   "degradation.svg", "index.html"}));
 }
 
+TEST(ChartProgram, InterruptedItLeavesWholeFiles) {
+    const TempFolder folder;
+    // In the foreground: else it gets the signal twice, as itself and as one of a group, and the second ends it at once.
+    const Outcome outcome = run_program({"timeout", "--foreground", "--preserve-status", "--signal=INT", "2", ZOETROPE_CHART,
+                                         "far", "--peer", "none", "--out", "c"},
+                                        folder.path());
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    EXPECT_NE(outcome.err.find("goes on from here"), std::string::npos) << outcome.err;
+    const std::vector<std::string> files = list_files(folder / "c");
+    if (!files.empty()) {
+        EXPECT_EQ(files, std::vector<std::string>{"far.csv"});
+        EXPECT_GT(chart::read_csv(folder / "c/far.csv")->rows.size(), 0u);
+    }
+}
+
 }  // namespace
 }  // namespace zoe::test
