@@ -2,16 +2,42 @@
 
 #include <algorithm>
 
+#include "engine/bvh/blas.h"
+
 namespace zoe {
 
-void note_build(double cost, TreeWatch* watch) {
-    if (cost > 0.0) watch->best_cost = watch->best_cost > 0.0 ? std::min(watch->best_cost, cost) : cost;
-    watch->lost_work = 0.0;
-    watch->is_refitted = false;
+namespace {
+
+constexpr size_t kLookedAt = 512;  // Triangles of a large mesh, that stand for all.
+
+}  // namespace
+
+TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners) {
+    const double root_area = blas.tree.bounds().half_area();
+    if (!(root_area > 0.0)) return {};
+    const size_t stride = std::max<size_t>(1, corners.size() / kLookedAt);
+    double area = 0.0;
+    for (size_t k = 0; k < corners.size(); k += stride) {
+        const glm::vec3 &a = positions[corners[k].x], &b = positions[corners[k].y], &c = positions[corners[k].z];
+        if (is_finite(a) && is_finite(b) && is_finite(c)) area += bounds(Triangle{a, b, c, 0}).half_area();
+    }
+    return {blas.tree.summed_cost(), static_cast<double>(stride) * area / root_area};
 }
 
-void add_loss(double cost, double rays, TreeWatch* watch) {
-    if (watch->is_refitted) watch->lost_work += rays * std::max(0.0, cost - watch->best_cost);
+void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch) {
+    *watch = {.triangle_count = triangle_count, .built = built};
+}
+
+void note_refit(const TreeReading& refitted, TreeWatch* watch) {
+    const TreeReading& built = watch->built;
+    const bool is_smaller = refitted.triangle_area < built.triangle_area;
+    const double new_cost = is_smaller ? built.cost * refitted.triangle_area / built.triangle_area : built.cost;
+    watch->ray_loss = std::max(0.0, refitted.cost - new_cost);
+}
+
+void add_loss(double rays, TreeWatch* watch) {
+    watch->frame_loss = rays * watch->ray_loss;
+    watch->lost_work += watch->frame_loss;
 }
 
 void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* const> watches, std::vector<uint32_t>* chosen) {
@@ -23,14 +49,19 @@ void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* con
         if (watches[k]->lost_work > 0.0 && watches[k]->lost_work >= build_work(k)) chosen->push_back(k);
     }
     const auto is_worse = [&](uint32_t a, uint32_t b) {
-        const double left = watches[a]->lost_work * build_work(b), right = watches[b]->lost_work * build_work(a);
+        const double left = watches[a]->lost_work * watches[b]->triangle_count;
+        const double right = watches[b]->lost_work * watches[a]->triangle_count;
         return left != right ? left > right : a < b;
     };
     std::sort(chosen->begin(), chosen->end(), is_worse);
     size_t count = 0;
-    for (; count < chosen->size(); ++count) {
-        budget -= build_work((*chosen)[count]);
-        if (budget < 0.0 && count > 0) break;
+    double spent = 0.0;
+    for (const uint32_t k : *chosen) {
+        if (watches[k]->frame_loss < build_work(k)) {
+            if (count > 0 && spent + build_work(k) > budget) continue;
+            spent += build_work(k);
+        }
+        (*chosen)[count++] = k;
     }
     chosen->resize(count);
 }

@@ -4,40 +4,60 @@
 #include <span>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
+#include "engine/bvh/rebuild_config.h"
+
 namespace zoe {
 
-/// When trees that are refitted are rebuilt. Work is counted in tests of a node's eight boxes.
-struct RebuildConfig {
-    double triangle_work = 12.0;  ///< What a binned rebuild takes a triangle, beside what a ray of any kind takes.
-    double most_share = 0.125;    ///< Of all refitted trees' triangles, that one frame rebuilds; one tree may be more.
-    double frame_rays = 1e6;      ///< Traced through a frame, where nobody counts them. 0: never rebuilt.
+struct Blas;
+
+/// What is read off a tree in one pose of its mesh.
+struct TreeReading {
+    double cost = 0.0;           ///< SAH cost: the work of a ray that enters the tree.
+    double triangle_area = 0.0;  ///< Half areas of the boxes around triangles, beside the root's: what no tree can save.
 };
 
-/// What tracing a refitted tree has lost, against the best that its mesh has had.
+/// Reads a tree that has been built or refitted.
+/// positions, corners   as it was built or refitted with.
+/// Cost       O(1): some hundreds of triangles, spread over the mesh, stand for all.
+TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners);
+
+/// What tracing a refitted tree loses beside a tree built for the same pose.
 struct TreeWatch {
-    double best_cost = 0.0;  ///< The least SAH cost of its builds: the work of a ray that enters it. 0: not known.
-    double lost_work = 0.0;  ///< Since the last build, by all rays.
     uint32_t triangle_count = 0;
-    bool is_refitted = false;  ///< Since the last build. Else another would give the same tree again.
+    TreeReading built;        ///< At the last build.
+    double ray_loss = 0.0;    ///< Of a ray, in the pose that it was refitted to last; 0 where it was not since.
+    double frame_loss = 0.0;  ///< Of all rays of this frame.
+    double lost_work = 0.0;   ///< Since the last build, this frame's counted.
 };
 
 /// Begins anew after a build.
-/// cost       SAH cost as built; 0, of a tree without an area, tells nothing.
-void note_build(double cost, TreeWatch* watch);
+void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch);
 
-/// Adds what a frame's rays lose in a tree that was refitted.
-/// cost       SAH cost as refitted to the frame.
-/// rays       that enter the tree in this frame; need not be whole.
-void add_loss(double cost, double rays, TreeWatch* watch);
+/// Estimates what a ray loses after a refit: the tree's cost, less what a new tree's would be. That is the last one's as it
+/// was built, and less by as much as the triangles have become smaller beside the root: else a tree whose first pose was a
+/// bad one would never be found wanting.
+void note_refit(const TreeReading& refitted, TreeWatch* watch);
 
-/// Chooses the trees to be rebuilt before a frame is traced: those that have lost what rebuilding costs, this frame's loss
-/// counted. So rebuilding never takes more work than tracing does, and renting before buying keeps within twice of what
-/// would have been best, had the end been known: not of a choice that waits for poses which make an old tree good again.
-/// Where more are due than a frame may rebuild, those that lost most for their size come first; the others lose on, and
-/// their turn comes.
+/// Adds what a frame's rays lose.
+/// rays       that enter the tree; need not be whole.
+void add_loss(double rays, TreeWatch* watch);
+
+/// Chooses the trees to be rebuilt before a frame is traced: those that will have lost what a rebuild costs. A tree that is
+/// bad at once is rebuilt before it has lost anything; none that is not told to wait loses more than a rebuild takes.
+///
+/// Where newer trees are never worse than older ones, and new trees never better than estimated, refits and rebuilds take at
+/// most twice what the best choice in hindsight would: until a tree has lost a rebuild's work, that choice has lost as much
+/// or rebuilt. Where poses come back, an old tree that was kept may be good again: no rule that doesn't know what comes is
+/// always within three times of hindsight's then, with as few as two poses (Borodin, Linial, Saks. An Optimal On-Line
+/// Algorithm for Metrical Task System. JACM 1992); this one is within four.
+///
+/// A frame rebuilds all trees whose rebuild pays within it, and of the others so many as `most_share` allows, those first
+/// that lost most for their size. What is left loses on, and its turn comes.
 /// watches    of all trees that are refitted.
 /// chosen     result: positions in `watches`.
-/// Cost       O(trees); no allocation once `chosen` is large enough. Counts of work decide, never times.
+/// Cost       O(trees log trees); no allocation once `chosen` is large enough. Counts of work decide, never times.
 /// Source     Karlin, Manasse, Rudolph, Sleator. Competitive Snoopy Caching. Algorithmica 1988.
 void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* const> watches, std::vector<uint32_t>* chosen);
 

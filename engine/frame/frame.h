@@ -30,7 +30,7 @@ struct FrameStats {
 ///
 /// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
 /// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
-///            for warnings, and for memory that the first rebuild of a deforming node's tree takes).
+///            for warnings).
 /// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 

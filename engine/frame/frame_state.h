@@ -43,7 +43,7 @@ struct Shape {
     uint64_t mesh_version = 0;
     bool has_blas = false;  ///< `blas` holds the last frame's triangles.
     Blas own_blas;
-    BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt when vertices move, or was; else released after the build.
+    BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt whenever vertices move; else released after the build.
     TreeWatch watch;           ///< Of a tree that is refitted.
     Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
 };
@@ -89,6 +89,7 @@ struct BlasWork {
     std::vector<Shape*> refitted;           ///< Trees that are refitted where their vertices move.
     std::vector<const TreeWatch*> watches;  ///< Theirs.
     std::vector<uint32_t> worn;             ///< Positions of those that are rebuilt in this frame.
+    std::vector<BlasScratch> scratches;     ///< Of as many rebuilds as are made at once.
 };
 
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "engine/bvh/build_auto.h"
-#include "engine/bvh/choose_rebuilds.h"
 #include "engine/bvh/cluster_config.h"
 #include "engine/bvh/placing_config.h"
+#include "engine/bvh/rebuild_config.h"
 #include "engine/deform/sample.h"
 #include "engine/math/affine.h"
 #include "engine/scene/error.h"

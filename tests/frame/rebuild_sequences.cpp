@@ -4,8 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/geometric.hpp>
+
 #include "content/shapes.h"
-#include "engine/bvh/blas.h"
 #include "tests/frame/motion_class.h"
 #include "tests/math/random_inputs.h"
 
@@ -66,6 +67,15 @@ Sequence explosion(bool is_back) {
     return sequence;
 }
 
+// Triangles that each have vertices of their own change places.
+void swap_triangles(Rng& rng, std::vector<glm::vec3>* positions) {
+    for (auto k = static_cast<uint32_t>(positions->size() / 3); k > 1; --k) {
+        const auto begin = positions->begin();
+        const uint32_t other = rng.below(k);
+        if (other + 1 < k) std::swap_ranges(begin + 3 * (k - 1), begin + 3 * k, begin + 3 * other);
+    }
+}
+
 // A ball whose triangles change places, all of them, every so many frames.
 // is_back    every other time they return to where they were at first.
 Sequence permuted(bool is_back) {
@@ -75,12 +85,31 @@ Sequence permuted(bool is_back) {
     std::vector<glm::vec3> now = ball.positions;
     for (int frame = 0; frame < kFrames; ++frame) {
         if (frame % 8 == 4) {
-            for (auto k = static_cast<uint32_t>(ball.corners.size()); k > 1; --k) {
-                std::swap_ranges(now.begin() + 3 * (k - 1), now.begin() + 3 * k, now.begin() + 3 * rng.below(k));
-            }
+            swap_triangles(rng, &now);
             if (is_back && frame % 16 == 12) now = ball.positions;
         }
         sequence.frames.push_back(now);
+    }
+    return sequence;
+}
+
+Sequence backwards(const std::string& name, Sequence sequence) {
+    sequence.name = name;
+    std::ranges::reverse(sequence.frames);
+    return sequence;
+}
+
+// A ball of spikes that becomes round: the first pose says nothing of which triangles will lie side by side.
+Sequence smoothed() {
+    const Mesh ball = make_sphere(1.0f, 32, 32);
+    Sequence sequence{"smoothed", ball.corners, {}};
+    Rng rng(116);
+    std::vector<glm::vec3> spikes;
+    for (size_t v = 0; v < ball.positions.size(); ++v) spikes.push_back(random_point(rng, 1.5f));
+    for (int frame = 0; frame < kFrames; ++frame) {
+        const float left = std::max(0.0f, 1.0f - static_cast<float>(frame) / 12.0f);
+        std::vector<glm::vec3>& moved = sequence.frames.emplace_back(ball.positions);
+        for (size_t v = 0; v < moved.size(); ++v) moved[v] += left * spikes[v];
     }
     return sequence;
 }
@@ -121,22 +150,43 @@ std::vector<Sequence> deforming_sequences() {
             explosion(false),
             explosion(true),
             permuted(false),
-            permuted(true),
-            tangled()};
+            tangled(),
+            backwards("assembled", explosion(false)),
+            backwards("untwisted", twist(false)),
+            smoothed()};
 }
 
-CostTable record_costs(const Sequence& sequence) {
-    CostTable costs;
-    for (size_t built = 0; built < sequence.frames.size(); ++built) {
-        Blas blas;
-        build_blas(sequence.frames[built], sequence.corners, built == 0 ? BlasBuilder::kSweep : BlasBuilder::kBinned, &blas);
-        std::vector<double>& row = costs.emplace_back();
-        for (size_t frame = built; frame < sequence.frames.size(); ++frame) {
-            if (frame > built) refit_blas(sequence.frames[frame], sequence.corners, &blas);
-            row.push_back(blas.tree.summed_cost());
+Sequence permuted_and_back() {
+    return permuted(true);
+}
+
+Sequence random_sequence(uint64_t seed) {
+    struct Wave {
+        glm::vec3 way, along;
+        float turns_a_frame, start;
+    };
+    Rng rng(seed);
+    const bool is_torn = seed % 3 == 0;
+    const Mesh ball = is_torn ? from_triangles(make_sphere(1.0f, 28, 28)) : make_sphere(1.0f, 24, 32);
+    std::vector<Wave> waves;
+    for (int k = 0; k < 4; ++k) {
+        waves.push_back({2.0f * rng.uniform() * random_point(rng, 1.0f), random_point(rng, 8.0f), 0.6f * rng.uniform(),
+                         6.0f * rng.uniform()});
+    }
+    const int pause = 4 + static_cast<int>(rng.below(20));
+    Sequence sequence{"seed " + std::to_string(seed), ball.corners, {}};
+    std::vector<glm::vec3> rest = ball.positions;
+    for (int frame = 0; frame < kFrames; ++frame) {
+        if (is_torn && frame % pause == pause - 1) swap_triangles(rng, &rest);
+        std::vector<glm::vec3>& moved = sequence.frames.emplace_back(rest);
+        for (size_t v = 0; v < moved.size(); ++v) {
+            for (const Wave& wave : waves) {
+                const float turn = glm::dot(wave.along, rest[v]) + wave.turns_a_frame * static_cast<float>(frame);
+                moved[v] += std::sin(turn + wave.start) * wave.way;
+            }
         }
     }
-    return costs;
+    return sequence;
 }
 
 }  // namespace zoe::test

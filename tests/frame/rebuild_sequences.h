@@ -17,15 +17,17 @@ struct Sequence {
     std::vector<std::vector<glm::vec3>> frames;
 };
 
-/// Motions that refitting takes well and badly: still, ripple, walk cycle, twist, explosion, permuted vertices, and the last
-/// three there and back.
+/// Motions that refitting takes well and badly: still, ripple, walk cycle, twist, explosion, permuted vertices; some of them
+/// there and back, or the other way round; and a ball whose first pose is the worst to build a tree for.
 std::vector<Sequence> deforming_sequences();
+
+/// A ball whose triangles change places and return, again and again.
+Sequence permuted_and_back();
+
+/// A ball that swells and bends in waves; of every third seed its triangles change places again and again, too.
+Sequence random_sequence(uint64_t seed);
 
 /// The same triangles, each with vertices of its own.
 Mesh from_triangles(const Mesh& mesh);
-
-/// What tracing the trees of a sequence costs: costs[b][f - b] is the SAH cost at frame f of the tree built at frame b.
-using CostTable = std::vector<std::vector<double>>;
-CostTable record_costs(const Sequence& sequence);
 
 }  // namespace zoe::test
