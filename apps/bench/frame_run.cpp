@@ -127,6 +127,7 @@ FrameRecord FrameRun::run(int frame, EmbreePeer* peer, bool is_peer_first) {
         peers.trace_ms += kind_of(peers, kind).ms;
         compare(kind, frame);
     }
+    report_rays(content_.scene, record.stats.rays);
     peers.disagreements = disagreements_.size();
     if (peer) record.peer = peers;
     return record;

@@ -59,6 +59,7 @@ FrameStats make_frame(Content& content, const Options& options, const ViewChoice
         if (!render(content.scene, tlas, view, config, sample_count, film, &stats)) throw Interrupted("interrupted");
         report(double(done + sample_count) / spp);
     }
+    report_rays(content.scene, stats.rays);
     run->events.add("trace", trace_begin, ms_since(trace_begin), frame);
     return stats;
 }

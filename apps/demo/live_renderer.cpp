@@ -99,6 +99,8 @@ void LiveRenderer::advance_if_needed(const LiveRequest& request) {
     }
     content_.scene.playback.is_looping = request.is_looping;
     content_.scene.playback.clips = request.clips;
+    if (tlas_) report_rays(content_.scene, traced_rays_);
+    traced_rays_ = 0;
     frame_stats_ = {};
     tlas_ = &advance(content_, request.time_s, &frame_stats_);
     is_new_frame_ = true;
@@ -134,6 +136,7 @@ bool LiveRenderer::pass(const LiveRequest& request) {
     FrameStats stats = frame_stats_;
     const auto begin = std::chrono::steady_clock::now();
     if (!render(content_.scene, *tlas_, view, config, 1, &film_, &stats)) return false;
+    traced_rays_ += stats.rays - frame_stats_.rays;
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     const double ms_a_pixel = ms / (double(film_.width) * film_.height);
     ms_a_pixel_ = ms_a_pixel_ > 0.0 ? 0.7 * ms_a_pixel_ + 0.3 * ms_a_pixel : ms_a_pixel;

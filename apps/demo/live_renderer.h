@@ -84,7 +84,8 @@ private:
     LiveRequest shown_;  ///< What the film holds.
     bool is_shown_ = false;
     const Tlas* tlas_ = nullptr;
-    FrameStats frame_stats_;  ///< Of the last `advance`.
+    FrameStats frame_stats_;    ///< Of the last `advance`.
+    uint64_t traced_rays_ = 0;  ///< Since then.
     bool is_new_frame_ = false;
     Film film_;
     int divisor_ = 1;          ///< The film's sides are the picture's, divided by this.

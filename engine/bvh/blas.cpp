@@ -9,6 +9,7 @@
 #include "engine/bvh/build_median.h"
 #include "engine/bvh/build_sbvh.h"
 #include "engine/bvh/build_sweep.h"
+#include "engine/bvh/place_block.h"
 #include "engine/bvh/reinsert.h"
 #include "engine/math/parallel.h"
 
@@ -28,7 +29,7 @@ constexpr BinnedConfig kBinned{.block_size = TriangleBlock::kSize, .node_cost = 
 // Blocks are counted for memory's sake, too: pieces take room.
 constexpr SbvhConfig kSbvh{.max_reference_growth = 1.5f, .block_size = TriangleBlock::kSize, .node_cost = 0.5f};
 
-constexpr size_t kGrain = 4096, kBlockGrain = 1024, kNodeGrain = 256, kPrefetchAhead = 4;
+constexpr size_t kGrain = 4096, kBlockGrain = 1024, kPrefetchAhead = 4;
 
 template <typename Value>
 std::string bytes_of(const Value& value) {
@@ -60,93 +61,19 @@ void fit_items(std::span<const glm::vec3> positions, std::span<const glm::uvec3>
     });
 }
 
-// Four triangles side by side, row by row. Returns how many of them are not finite: they go in as NaN.
-uint32_t place_block(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, TriangleBlock* block) {
-    static const glm::vec3 nowhere(NAN);
-    constexpr uint32_t kSize = TriangleBlock::kSize;
-    float probes[kSize] = {};  // 0, or NaN where any coordinate is not finite.
-    for (uint32_t slot = 0; slot < kSize; ++slot) {
-        const uint32_t primitive = block->primitive[slot];
-        const bool is_empty = primitive == kEmptyChild;
-        const glm::uvec3 corner = is_empty ? glm::uvec3(0) : corners[primitive];
-        const auto put = [&](int row, const glm::vec3& p) {
-            block->corners[row][slot] = p.x;
-            block->corners[row + 1][slot] = p.y;
-            block->corners[row + 2][slot] = p.z;
-            probes[slot] += 0.0f * p.x + 0.0f * p.y + 0.0f * p.z;
-        };
-        put(0, is_empty ? nowhere : positions[corner.x]);
-        put(3, is_empty ? nowhere : positions[corner.y]);
-        put(6, is_empty ? nowhere : positions[corner.z]);
-    }
-    uint32_t not_finite_count = 0;
-    for (uint32_t slot = 0; slot < kSize; ++slot) {
-        if (probes[slot] == 0.0f || block->primitive[slot] == kEmptyChild) continue;
-        for (auto& row : block->corners) row[slot] = NAN;
-        ++not_finite_count;
-    }
-    return not_finite_count;
-}
-
 // Puts this frame's triangles into the blocks.
 void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
     std::atomic<uint32_t> not_finite_count{0};
     parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
         uint32_t not_finite_here = 0;
         for (size_t k = begin; k < end; ++k) {
-            // Vertices lie anywhere in memory; asked for ahead, they are there in time.
-            const TriangleBlock& ahead = blas->blocks[std::min(k + kPrefetchAhead, end - 1)];
-            for (const uint32_t primitive : ahead.primitive) {
-                if (primitive == kEmptyChild) continue;
-                const glm::uvec3& corner = corners[primitive];
-                __builtin_prefetch(&positions[corner.x]);
-                __builtin_prefetch(&positions[corner.z]);
-            }
-            not_finite_here += place_block(positions, corners, &blas->blocks[k]);
+            place_detail::prefetch(positions, corners, blas->blocks[std::min(k + kPrefetchAhead, end - 1)]);
+            place_detail::SlotBounds ignored;
+            not_finite_here += place_detail::place_block(positions, corners, &blas->blocks[k], &ignored);
         }
         not_finite_count += not_finite_here;
     });
     blas->not_finite_count = not_finite_count;
-}
-
-// Comparisons with NaN are false: slots without a finite triangle add nothing.
-Aabb bounds(const TriangleBlock* blocks, uint32_t count) {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    Aabb box;
-    for (int axis = 0; axis < 3; ++axis) {
-        float lo[TriangleBlock::kSize], hi[TriangleBlock::kSize];
-        for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
-            lo[slot] = kInfinity;
-            hi[slot] = -kInfinity;
-        }
-        for (uint32_t k = 0; k < count; ++k) {
-            for (int corner = 0; corner < 3; ++corner) {
-                const float* row = blocks[k].corners[3 * corner + axis];
-                for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
-                    lo[slot] = row[slot] < lo[slot] ? row[slot] : lo[slot];
-                    hi[slot] = row[slot] > hi[slot] ? row[slot] : hi[slot];
-                }
-            }
-        }
-        for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
-            box.lo[axis] = glm::min(box.lo[axis], lo[slot]);
-            box.hi[axis] = glm::max(box.hi[axis], hi[slot]);
-        }
-    }
-    return box;
-}
-
-void fit_leaves(Blas* blas) {
-    parallel_for(0, blas->tree.nodes.size(), kNodeGrain, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) {
-            WideNode& node = blas->tree.nodes[k];
-            for (int slot = 0; slot < kWidth; ++slot) {
-                const uint32_t child = node.child[slot];
-                if (child == kEmptyChild || !is_leaf(child)) continue;
-                node.set_box(slot, bounds(&blas->blocks[first_block(child)], block_count(child)));
-            }
-        }
-    });
 }
 
 void fill_tree(const Bvh& bvh, size_t triangle_count, Blas* blas, BlasScratch* scratch) {
@@ -250,13 +177,6 @@ void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3
 void build_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, BlasBuilder builder, Blas* blas) {
     BlasScratch scratch;
     build(positions, corners, builder, Memory::kReleased, blas, &scratch);
-}
-
-void refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
-    assert(corners.size() == blas->triangle_count && !blas->has_pieces);
-    place_triangles(positions, corners, blas);
-    fit_leaves(blas);
-    refit_inner(&blas->tree);
 }
 
 }  // namespace zoe

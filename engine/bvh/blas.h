@@ -82,12 +82,19 @@ void make_blas(const StaticBvh& bvh, std::span<const glm::vec3> positions, std::
 void fill_blocks(std::span<const uint32_t> slots, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners,
                  Blas* blas);
 
-/// Moves the triangles to new positions and refits the boxes, bottom up; the topology stays.
+/// What a refit did, in boxes.
+struct RefitCounts {
+    uint64_t fitted = 0;   ///< Worked out: those of all leaves, and those around nodes in which a box changed.
+    uint64_t changed = 0;  ///< Found to be others than before.
+};
+
+/// Moves the triangles to new positions and refits the boxes, bottom up; the topology stays. Boxes that are as before are
+/// left alone, and so is all that only they could change.
 /// positions, corners   as when built; only the positions' values may differ.
 /// Requires   a tree without pieces.
-/// Cost       O(triangles), in parallel, no allocation.
+/// Cost       O(triangles), in one pass, in parallel, no allocation.
 /// Source     Wald, Boulos, Shirley. Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies. TOG 2007.
-void refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas);
+RefitCounts refit_blas(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas);
 
 /// Checks the tree, that every triangle is in it with the right corners, once unless the tree has pieces, and that its
 /// leaves contain it: all of it where it stands once, else its corners, its centre and the centres of its edges.

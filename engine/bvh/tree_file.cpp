@@ -19,7 +19,7 @@ namespace zoe {
 namespace {
 
 // Raise it when the layout changes, or what a builder makes of the same settings.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr char kMagic[8] = {'Z', 'O', 'E', 'T', 'R', 'E', 'E', '\n'};
 constexpr uint32_t kByteOrder = 0x01020304;
 

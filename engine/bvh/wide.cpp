@@ -2,24 +2,12 @@
 
 #include <algorithm>
 
-#include "engine/math/parallel.h"
-
 namespace zoe {
 
 namespace {
 
-// A level with fewer nodes is not worth waking other threads for.
-constexpr size_t kGrain = 1024;
-
 std::string at(size_t node, int slot) {
     return "node " + std::to_string(node) + " child " + std::to_string(slot) + ": ";
-}
-
-void fit_inner(WideBvh* wide, size_t k) {
-    WideNode& node = wide->nodes[k];
-    for (int slot = 0; slot < kWidth; ++slot) {
-        if (!is_leaf(node.child[slot])) node.set_box(slot, wide->nodes[node.child[slot]].bounds());
-    }
 }
 
 }  // namespace
@@ -37,13 +25,28 @@ Aabb WideNode::bounds() const {
     return bounds;
 }
 
-void refit_inner(WideBvh* wide) {
-    for (size_t level = wide->level_ends.size(); level-- > 0;) {
-        const size_t begin = level == 0 ? 0 : wide->level_ends[level - 1];
-        parallel_for(begin, wide->level_ends[level], kGrain, [&](size_t from, size_t to) {
-            for (size_t k = from; k < to; ++k) fit_inner(wide, k);
-        });
+double WideBvh::summed_cost() const {
+    const double root_area = bounds().half_area();
+    return root_area > 0.0 ? (root_area + nodes[0].area_cost) / root_area : 0.0;
+}
+
+void sum_costs(const WideBvh& wide, float block_cost, WideNode* node) {
+    // As Aabb::half_area has it, for all slots at once.
+    double areas[kWidth];
+    for (int slot = 0; slot < kWidth; ++slot) {
+        const double x = double(node->planes[1][slot]) - node->planes[0][slot];
+        const double y = double(node->planes[3][slot]) - node->planes[2][slot];
+        const double z = double(node->planes[5][slot]) - node->planes[4][slot];
+        areas[slot] = x >= 0.0 && y >= 0.0 && z >= 0.0 ? x * y + y * z + z * x : 0.0;
     }
+    double sum = 0.0;
+    for (int slot = 0; slot < kWidth; ++slot) {
+        const uint32_t child = node->child[slot];
+        if (child == kEmptyChild) continue;
+        sum += is_leaf(child) ? areas[slot] * (double(block_cost) * block_count(child))
+                              : areas[slot] + wide.nodes[child].area_cost;
+    }
+    node->area_cost = sum;
 }
 
 std::string validate(const WideBvh& wide, size_t block_total) {

@@ -18,7 +18,10 @@ inline constexpr int kWidth = 8;
 struct alignas(64) WideNode {
     float planes[6][kWidth];  ///< lo.x, hi.x, lo.y, hi.y, lo.z, hi.z of each child.
     uint32_t child[kWidth];   ///< See `leaf_child`; a node's index where it is no leaf.
-    uint32_t unused[kWidth];  ///< Fills the line.
+    double area_cost;         ///< See `sum_costs`.
+    uint32_t is_box_changed;  ///< By the last refit: a box in it.
+    uint32_t is_sum_changed;  ///< Any box below it.
+    uint32_t unused[4];       ///< Fills the line.
 
     Aabb box(int slot) const {
         return {{planes[0][slot], planes[2][slot], planes[4][slot]}, {planes[1][slot], planes[3][slot], planes[5][slot]}};
@@ -51,6 +54,9 @@ struct WideBvh {
     std::vector<uint32_t> level_ends;  ///< [depth] nodes of level k stand in [level_ends[k - 1], level_ends[k]).
 
     Aabb bounds() const { return nodes.empty() ? Aabb{} : nodes[0].bounds(); }
+    /// `sah_cost` as the nodes' sums have it, with the block cost they were summed with.
+    /// Cost       O(1).
+    double summed_cost() const;
     /// Entries that a traversal may have to keep at once.
     size_t stack_size() const { return level_ends.size() * (kWidth - 1) + 1; }
 };
@@ -97,15 +103,16 @@ struct CollapseScratch {
 /// slots      result: [blocks * block_size] primitives block by block; kEmptyChild where a leaf's last block is not full.
 /// Requires   binary leaves of at most max_leaf_blocks * block_size primitives.
 /// Cost       O(nodes), in parallel; no allocation where `wide`, `slots` and `scratch` are large enough. The same tree
-///            whatever the number of threads.
+///            whatever the number of threads. Nodes come with their sums.
 /// Source     Ylitie, Karras, Laine. Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs. HPG 2017.
 ///            Deviation: full boxes, leaves of any size, and all children of a level side by side.
 void collapse(const Bvh& bvh, const CollapseConfig& config, WideBvh* wide, std::vector<uint32_t>* slots,
               CollapseScratch* scratch);
 
-/// Fits the inner boxes to the leaves' boxes, bottom up; the caller has set the latter.
-/// Cost       O(nodes), parallel within large levels, no allocation.
-void refit_inner(WideBvh* wide);
+/// Sums up a node: the half areas of the boxes below it, in it included, times what is done where one is entered, which is
+/// 1 for a node and block_cost for each block of a leaf.
+/// Requires   the sums of its children.
+void sum_costs(const WideBvh& wide, float block_cost, WideNode* node);
 
 /// Checks links, levels, that each block is in exactly one leaf, and that inner boxes contain their children's.
 /// Returns    the first broken invariant in words, empty when all hold.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 
 #include "engine/bvh/wide.h"
 #include "engine/bvh/wide_plan.h"
@@ -26,11 +27,13 @@ public:
             sketch_level(slots);
             wide->level_ends.push_back(static_cast<uint32_t>(scratch_.sketches.size()));
         }
-        const size_t count = scratch_.sketches.size();
-        resize_anew(&wide->nodes, count);
-        parallel_for(0, count, kMakeGrain, [&](size_t begin, size_t end) {
-            for (size_t k = begin; k < end; ++k) make_node(scratch_.sketches[k], &wide->nodes[k]);
-        });
+        resize_anew(&wide->nodes, scratch_.sketches.size());
+        for (size_t level = wide->level_ends.size(); level-- > 0;) {
+            const size_t level_begin = level == 0 ? 0 : wide->level_ends[level - 1];
+            parallel_for(level_begin, wide->level_ends[level], kMakeGrain, [&](size_t begin, size_t end) {
+                for (size_t k = begin; k < end; ++k) make_node(scratch_.sketches[k], *wide, &wide->nodes[k]);
+            });
+        }
     }
 
 private:
@@ -110,13 +113,16 @@ private:
         std::fill(made->child + count, made->child + kWidth, kEmptyChild);
     }
 
-    void make_node(const Sketch& sketch, WideNode* made) const {
+    // Children first.
+    void make_node(const Sketch& sketch, const WideBvh& wide, WideNode* made) const {
         for (int slot = 0; slot < kWidth; ++slot) {
             const uint32_t binary = sketch.binary[slot];
             made->set_box(slot, binary == kEmptyChild ? Aabb{} : bvh_.nodes[binary].bounds());
             made->child[slot] = sketch.child[slot];
-            made->unused[slot] = 0;
         }
+        made->is_box_changed = made->is_sum_changed = 0;
+        std::fill(std::begin(made->unused), std::end(made->unused), 0);
+        sum_costs(wide, config_.block_cost, made);
     }
 
     static uint32_t make_child(uint32_t n, Part* part) {

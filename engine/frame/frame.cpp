@@ -58,6 +58,11 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     return state.tlas;
 }
 
+void report_rays(Scene& scene, uint64_t ray_count) {
+    made_state(scene);
+    scene.frame->traced_rays.add(static_cast<double>(ray_count));
+}
+
 const Affine& world_from_node(const Scene& scene, NodeId node) {
     return made_state(scene).world_matrices.at(index(node));
 }

@@ -34,6 +34,11 @@ struct FrameStats {
 /// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 
+/// Tells how many rays were traced through the last frame: what trees of deforming nodes that have worn out cost. Never what
+/// is hit. Where it is not told, `RebuildConfig` has a number.
+/// Throws     std::logic_error before the first `advance`.
+void report_rays(Scene& scene, uint64_t ray_count);
+
 /// World matrix of a node at the last `advance`: cameras and lights. The world begins at `Scene::origin`.
 /// Throws     std::logic_error before the first one.
 const Affine& world_from_node(const Scene& scene, NodeId node);

@@ -5,6 +5,7 @@
 
 #include "engine/bvh/blas.h"
 #include "engine/bvh/build_clusters.h"
+#include "engine/bvh/choose_rebuilds.h"
 #include "engine/bvh/reach.h"
 #include "engine/frame/build_tlas.h"
 #include "engine/frame/classify.h"
@@ -42,7 +43,8 @@ struct Shape {
     uint64_t mesh_version = 0;
     bool has_blas = false;  ///< `blas` holds the last frame's triangles.
     Blas own_blas;
-    BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt when vertices move; else released after the build.
+    BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt whenever vertices move; else released after the build.
+    TreeWatch watch;           ///< Of a tree that is refitted.
     Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
 };
 
@@ -68,6 +70,28 @@ struct TlasScratch {
     CollapseScratch collapse;
 };
 
+/// Rays that were traced, frame by frame.
+struct RayMean {
+    static constexpr double kNewShare = 0.25;
+
+    double mean = 0.0;  ///< An exponential moving average over the frames that were reported.
+    bool is_told = false;
+
+    void add(double rays) {
+        mean = is_told ? mean + kNewShare * (rays - mean) : rays;
+        is_told = true;
+    }
+};
+
+/// What update_blas hands to the next frame's.
+struct BlasWork {
+    std::vector<Shape*> changed;            ///< Trees that change in this frame.
+    std::vector<Shape*> refitted;           ///< Trees that are refitted where their vertices move.
+    std::vector<const TreeWatch*> watches;  ///< Theirs.
+    std::vector<uint32_t> worn;             ///< Positions of those that are rebuilt in this frame.
+    std::vector<BlasScratch> scratches;     ///< Of as many rebuilds as are made at once.
+};
+
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
     std::vector<NodeId> parents_first;
@@ -82,8 +106,9 @@ struct FrameState {
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
-    std::vector<Shape*> blas_work;                         ///< Scratch of update_blas: trees that change in this frame.
-    size_t written_mesh_count = 0;                         ///< Meshes that the user had written when nodes were classified.
+    BlasWork blas_work;                                    ///< Scratch of update_blas.
+    RayMean traced_rays;
+    size_t written_mesh_count = 0;  ///< Meshes that the user had written when nodes were classified.
     TlasScratch tlas_scratch;
     Tlas tlas;
 };

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <string>
 #include <vector>
 
 #include "engine/bvh/cache.h"
+#include "engine/bvh/reserve_builds.h"
 #include "engine/bvh/tree_file.h"
 #include "engine/frame/frame.h"
 #include "engine/frame/frame_state.h"
@@ -67,16 +69,75 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
     if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
 }
 
+void watch_anew(const Scene& scene, Shape* shape) {
+    const std::vector<glm::uvec3>& corners = scene[shape->mesh].corners;
+    note_build(read_tree(*shape->blas, shape->positions, corners), shape->blas->triangle_count, &shape->watch);
+}
+
 void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
     const Mesh& mesh = scene[shape->mesh];
     if (action_for(*shape, state) == Action::kRefit) {
-        refit_blas(shape->positions, mesh.corners, shape->blas);
+        const bool is_other = refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
+        if (is_other) note_refit(read_tree(*shape->blas, shape->positions, mesh.corners), &shape->watch);
     } else {
+        const Method method = method_for(shape->motion.motion, state);
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
-        make(shape->positions, mesh.corners, method_for(shape->motion.motion, state), scene.tree_cache.get(), shape->blas,
+        make(shape->positions, mesh.corners, method, scene.tree_cache.get(), shape->blas,
              is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
+        if (method.is_refitted) {
+            reserve_builds(shape->blas);
+            watch_anew(scene, shape);
+        }
     }
     shape->has_blas = true;
+}
+
+// How many of a frame's rays enter a shape: of random lines through a convex body, the share that meets one inside of it is
+// that of their surfaces. As it stood in the last frame; none where it was not shown.
+double rays_into(const Shape& shape, const FrameState& state, double frame_rays) {
+    const Tlas& tlas = state.tlas;
+    if (tlas.instance_of_node.empty()) return 0.0;
+    const uint32_t at = tlas.instance_of_node[index(shape.node)];
+    if (at == kNoInstance) return 0.0;
+    const double all = tlas.bounds_world.half_area(), own = tlas.instances[at].bounds_world.half_area();
+    return frame_rays * (all > own ? own / all : 1.0);
+}
+
+// Takes the memory of rebuilds where trees are new that may be rebuilt: then their frames take none.
+void reserve_rebuilds(const Scene& scene, BlasWork* work) {
+    const auto triangle_count = [](const Shape* shape) { return shape->blas->triangle_count; };
+    const Shape* largest = *std::ranges::max_element(work->refitted, {}, triangle_count);
+    work->scratches.resize(std::min(static_cast<size_t>(thread_count()), work->refitted.size()));
+    parallel_for(0, work->scratches.size(), 1, [&](size_t k, size_t) {
+        reserve_builds(largest->positions, scene[largest->mesh].corners, &work->scratches[k]);
+    });
+    work->watches.reserve(work->refitted.size());
+    work->worn.reserve(work->refitted.size());
+}
+
+// Rebuilds trees that have worn out.
+void rebuild_worn(const Scene& scene, FrameState* state, FrameStats* stats) {
+    BlasWork& work = state->blas_work;
+    work.watches.clear();
+    const double frame_rays = state->traced_rays.is_told ? state->traced_rays.mean : scene.rebuild.frame_rays;
+    for (Shape* shape : work.refitted) {
+        add_loss(rays_into(*shape, *state, frame_rays), &shape->watch);
+        work.watches.push_back(&shape->watch);
+    }
+    choose_rebuilds(scene.rebuild, work.watches, &work.worn);
+    const size_t lane_count = work.scratches.size();
+    parallel_for(0, lane_count, 1, [&](size_t lane, size_t) {
+        for (size_t k = lane; k < work.worn.size(); k += lane_count) {
+            Shape* shape = work.refitted[work.worn[k]];
+            build_blas(shape->positions, scene[shape->mesh].corners, BlasBuilder::kBinned, shape->blas,
+                       &work.scratches[lane]);
+            watch_anew(scene, shape);
+        }
+    });
+    for (const uint32_t k : work.worn) {
+        --(work.refitted[k]->is_changed ? stats->refitted : stats->kept);
+        ++stats->rebuilt;
+    }
 }
 
 void warn_of_cache(Scene& scene) {
@@ -89,10 +150,17 @@ void warn_of_cache(Scene& scene) {
 
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     // A shared BLAS is built by the first node that shows it; the work list holds every tree once.
-    std::vector<Shape*>& work = state->blas_work;
+    std::vector<Shape*>& work = state->blas_work.changed;
+    std::vector<Shape*>& refitted = state->blas_work.refitted;
     work.clear();
+    refitted.clear();
+    bool is_any_new = false;
     for (Shape& shape : state->shapes) {
         const Action action = action_for(shape, *state);
+        if (method_for(shape.motion.motion, *state).is_refitted) {
+            refitted.push_back(&shape);
+            is_any_new |= action == Action::kRebuild;
+        }
         (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
         if (action == Action::kKeep) continue;
         const bool is_shared = shape.blas != &shape.own_blas;
@@ -110,6 +178,8 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     stats->loaded += counts.loaded;
     stats->stored += counts.stored;
     if (scene.tree_cache) warn_of_cache(scene);
+    if (is_any_new) reserve_rebuilds(scene, &state->blas_work);
+    rebuild_worn(scene, state, stats);
     for (const Shape* shape : work) {
         if (const uint32_t count = shape->blas->not_finite_count; count > 0) {
             scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +

@@ -13,6 +13,7 @@
 #include "engine/bvh/build_auto.h"
 #include "engine/bvh/cluster_config.h"
 #include "engine/bvh/placing_config.h"
+#include "engine/bvh/rebuild_config.h"
 #include "engine/deform/sample.h"
 #include "engine/math/affine.h"
 #include "engine/scene/error.h"
@@ -128,6 +129,7 @@ public:
     AutoConfig tree_build;     ///< How much building all those trees may cost, looked at when the first frame is made.
     ClusterConfig tlas_build;  ///< How the top level is built in the frames from now on that need a new one.
     PlacingConfig placing;     ///< How instances stand in it; looked at where they move.
+    RebuildConfig rebuild;     ///< When trees of deforming nodes are rebuilt, and not refitted any more.
 
     Node& operator[](NodeId id) { return nodes.at(index(id)); }
     const Node& operator[](NodeId id) const { return nodes.at(index(id)); }

@@ -1,13 +1,36 @@
+#include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "engine/bvh/blas.h"
+#include "engine/math/parallel.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
+#include "tests/support/allocation_count.h"
 
 namespace zoe::test {
 namespace {
+
+bool is_same_to_the_bit(const WideBvh& a, const WideBvh& b) {
+    return a.nodes.size() == b.nodes.size() &&
+           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(WideNode)) == 0;
+}
+
+uint64_t count_leaves(const WideBvh& tree) {
+    uint64_t count = 0;
+    for (const WideNode& node : tree.nodes) {
+        count += std::ranges::count_if(node.child, [](uint32_t child) { return child != kEmptyChild && is_leaf(child); });
+    }
+    return count;
+}
+
+/// What the nodes have summed is what their boxes give.
+void expect_sums(const WideBvh& tree) {
+    const double expected = sah_cost(tree, CollapseConfig{}.block_cost);
+    EXPECT_NEAR(tree.summed_cost(), expected, 1e-12 * expected);
+}
 
 /// The same topology and the same boxes; zeros of either sign are the same plane.
 bool is_same_tree(const WideBvh& a, const WideBvh& b) {
@@ -28,8 +51,11 @@ TEST(Refit, WithoutMotionChangesNothing) {
             if (!accepts(builder, boxes)) continue;
             const Blas built = blas_from(builder.build(boxes), mesh);
             Blas refitted = built;
-            refit_blas(mesh.positions, mesh.corners, &refitted);
-            EXPECT_TRUE(is_same_tree(built.tree, refitted.tree)) << builder.name << " on " << mesh.name;
+            const RefitCounts counts = refit_blas(mesh.positions, mesh.corners, &refitted);
+            EXPECT_TRUE(is_same_to_the_bit(built.tree, refitted.tree)) << builder.name << " on " << mesh.name;
+            EXPECT_EQ(counts.changed, 0u);
+            EXPECT_EQ(counts.fitted, count_leaves(built.tree));
+            expect_sums(built.tree);
         }
     }
 }
@@ -47,6 +73,7 @@ TEST(Refit, AfterMotionEveryBoxIsTightAgain) {
             for (glm::vec3& p : moved.positions) p += random_point(rng, 1.0f);
             refit_blas(moved.positions, moved.corners, &blas);
             ASSERT_EQ(validate(blas, moved.positions, moved.corners), "") << builder.name;
+            expect_sums(blas.tree);
             for (const WideNode& node : blas.tree.nodes) {
                 for (int slot = 0; slot < kWidth; ++slot) {
                     const uint32_t child = node.child[slot];
@@ -84,6 +111,62 @@ TEST(Refit, MovingThereAndBackGivesTheFirstTreeAgain) {
     refit_blas(moved.positions, moved.corners, &blas);
     refit_blas(mesh.positions, mesh.corners, &blas);
     EXPECT_TRUE(is_same_tree(blas.tree, before));
+}
+
+/// A vertex of a triangle of its own, now outside and now back in its leaf: the boxes around it change, and no others.
+TEST(Refit, OnlyBoxesThatChangedGoUp) {
+    const TestMesh mesh = random_soup(20000, 0.5f, 99);
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kSweep, &blas);
+    const uint64_t leaf_count = count_leaves(blas.tree), depth = blas.tree.level_ends.size();
+    const auto expect_few = [&](const TestMesh& moved, uint64_t most) {
+        const RefitCounts counts = refit_blas(moved.positions, moved.corners, &blas);
+        EXPECT_LE(counts.changed, most);
+        EXPECT_LE(counts.fitted, leaf_count + counts.changed);
+        expect_sums(blas.tree);
+        EXPECT_EQ(validate(blas, moved.positions, moved.corners), "");
+        return counts.changed;
+    };
+    TestMesh moved = mesh;
+    moved.positions[300] = glm::vec3(100.0f);
+    const uint64_t there = expect_few(moved, depth);
+    EXPECT_GE(there, 1u);
+    EXPECT_EQ(expect_few(mesh, depth), there) << "and back";
+    // All corners of a triangle at its middle: what it still bounded is given up, mostly in its leaf alone.
+    uint64_t changed = 0;
+    for (uint32_t triangle = 0; triangle < 100; ++triangle) {
+        moved = mesh;
+        const glm::vec3 middle =
+            (mesh.positions[3 * triangle] + mesh.positions[3 * triangle + 1] + mesh.positions[3 * triangle + 2]) / 3.0f;
+        for (uint32_t k = 0; k < 3; ++k) moved.positions[3 * triangle + k] = middle;
+        changed += expect_few(moved, depth);
+        expect_few(mesh, depth);
+    }
+    EXPECT_GT(changed, 50u);
+    EXPECT_LT(changed, 100 * depth / 2);
+}
+
+TEST(Refit, ThreadsDoNotMatterAndNothingIsAllocated) {
+    const uint64_t seed = 100;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    TestMesh mesh = random_soup(30000, 0.5f, 101);
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kBinned, &blas);
+    for (glm::vec3& p : mesh.positions) p += random_point(rng, 0.3f);
+    Blas many = blas;
+    set_thread_count(4);
+    const RefitCounts with_four = refit_blas(mesh.positions, mesh.corners, &many);
+    set_thread_count(1);
+    const size_t before = allocation_count();
+    const RefitCounts with_one = refit_blas(mesh.positions, mesh.corners, &blas);
+    EXPECT_EQ(allocation_count(), before);
+    set_thread_count(0);
+    EXPECT_TRUE(is_same_to_the_bit(blas.tree, many.tree));
+    EXPECT_EQ(with_four.fitted, with_one.fitted);
+    EXPECT_EQ(with_four.changed, with_one.changed);
+    EXPECT_EQ(blas.tree.summed_cost(), many.tree.summed_cost());
+    EXPECT_EQ(std::memcmp(blas.blocks.data(), many.blocks.data(), blas.blocks.size() * sizeof(TriangleBlock)), 0);
 }
 
 /// What refitting is worst at: the tree's neighbours have nothing to do with each other any more.

@@ -1,0 +1,69 @@
+#include "engine/bvh/choose_rebuilds.h"
+
+#include <algorithm>
+
+#include "engine/bvh/blas.h"
+
+namespace zoe {
+
+namespace {
+
+constexpr size_t kLookedAt = 512;  // Triangles of a large mesh, that stand for all.
+
+}  // namespace
+
+TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners) {
+    const double root_area = blas.tree.bounds().half_area();
+    if (!(root_area > 0.0)) return {};
+    const size_t stride = std::max<size_t>(1, corners.size() / kLookedAt);
+    double area = 0.0;
+    for (size_t k = 0; k < corners.size(); k += stride) {
+        const glm::vec3 &a = positions[corners[k].x], &b = positions[corners[k].y], &c = positions[corners[k].z];
+        if (is_finite(a) && is_finite(b) && is_finite(c)) area += bounds(Triangle{a, b, c, 0}).half_area();
+    }
+    return {blas.tree.summed_cost(), static_cast<double>(stride) * area / root_area};
+}
+
+void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch) {
+    *watch = {.triangle_count = triangle_count, .built = built};
+}
+
+void note_refit(const TreeReading& refitted, TreeWatch* watch) {
+    const TreeReading& built = watch->built;
+    const bool is_smaller = refitted.triangle_area < built.triangle_area;
+    const double new_cost = is_smaller ? built.cost * refitted.triangle_area / built.triangle_area : built.cost;
+    watch->ray_loss = std::max(0.0, refitted.cost - new_cost);
+}
+
+void add_loss(double rays, TreeWatch* watch) {
+    watch->frame_loss = rays * watch->ray_loss;
+    watch->lost_work += watch->frame_loss;
+}
+
+void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* const> watches, std::vector<uint32_t>* chosen) {
+    chosen->clear();
+    const auto build_work = [&](uint32_t k) { return config.triangle_work * watches[k]->triangle_count; };
+    double budget = 0.0;
+    for (uint32_t k = 0; k < watches.size(); ++k) {
+        budget += config.most_share * build_work(k);
+        if (watches[k]->lost_work > 0.0 && watches[k]->lost_work >= build_work(k)) chosen->push_back(k);
+    }
+    const auto is_worse = [&](uint32_t a, uint32_t b) {
+        const double left = watches[a]->lost_work * watches[b]->triangle_count;
+        const double right = watches[b]->lost_work * watches[a]->triangle_count;
+        return left != right ? left > right : a < b;
+    };
+    std::sort(chosen->begin(), chosen->end(), is_worse);
+    size_t count = 0;
+    double spent = 0.0;
+    for (const uint32_t k : *chosen) {
+        if (watches[k]->frame_loss < build_work(k)) {
+            if (count > 0 && spent + build_work(k) > budget) continue;
+            spent += build_work(k);
+        }
+        (*chosen)[count++] = k;
+    }
+    chosen->resize(count);
+}
+
+}  // namespace zoe

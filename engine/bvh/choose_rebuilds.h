@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "engine/bvh/rebuild_config.h"
+
+namespace zoe {
+
+struct Blas;
+
+/// What is read off a tree in one pose of its mesh.
+struct TreeReading {
+    double cost = 0.0;           ///< SAH cost: the work of a ray that enters the tree.
+    double triangle_area = 0.0;  ///< Half areas of the boxes around triangles, beside the root's: what no tree can save.
+};
+
+/// Reads a tree that has been built or refitted.
+/// positions, corners   as it was built or refitted with.
+/// Cost       O(1): some hundreds of triangles, spread over the mesh, stand for all.
+TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners);
+
+/// What tracing a refitted tree loses beside a tree built for the same pose.
+struct TreeWatch {
+    uint32_t triangle_count = 0;
+    TreeReading built;        ///< At the last build.
+    double ray_loss = 0.0;    ///< Of a ray, in the pose that it was refitted to last; 0 where it was not since.
+    double frame_loss = 0.0;  ///< Of all rays of this frame.
+    double lost_work = 0.0;   ///< Since the last build, this frame's counted.
+};
+
+/// Begins anew after a build.
+void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch);
+
+/// Estimates what a ray loses after a refit: the tree's cost, less what a new tree's would be. That is the last one's as it
+/// was built, and less by as much as the triangles have become smaller beside the root: else a tree whose first pose was a
+/// bad one would never be found wanting.
+void note_refit(const TreeReading& refitted, TreeWatch* watch);
+
+/// Adds what a frame's rays lose.
+/// rays       that enter the tree; need not be whole.
+void add_loss(double rays, TreeWatch* watch);
+
+/// Chooses the trees to be rebuilt before a frame is traced: those that will have lost what a rebuild costs. A tree that is
+/// bad at once is rebuilt before it has lost anything; none that is not told to wait loses more than a rebuild takes.
+///
+/// Where newer trees are never worse than older ones, and new trees never better than estimated, refits and rebuilds take at
+/// most twice what the best choice in hindsight would: until a tree has lost a rebuild's work, that choice has lost as much
+/// or rebuilt. Where poses come back, an old tree that was kept may be good again: no rule that doesn't know what comes is
+/// always within three times of hindsight's then, with as few as two poses (Borodin, Linial, Saks. An Optimal On-Line
+/// Algorithm for Metrical Task System. JACM 1992); this one is within four.
+///
+/// A frame rebuilds all trees whose rebuild pays within it, and of the others so many as `most_share` allows, those first
+/// that lost most for their size. What is left loses on, and its turn comes.
+/// watches    of all trees that are refitted.
+/// chosen     result: positions in `watches`.
+/// Cost       O(trees log trees); no allocation once `chosen` is large enough. Counts of work decide, never times.
+/// Source     Karlin, Manasse, Rudolph, Sleator. Competitive Snoopy Caching. Algorithmica 1988.
+void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* const> watches, std::vector<uint32_t>* chosen);
+
+}  // namespace zoe

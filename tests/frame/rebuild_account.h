@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/bvh/choose_rebuilds.h"
+#include "tests/frame/rebuild_sequences.h"
+
+namespace zoe::test {
+
+/// [built][frame - built] what is read off a tree that was built for one frame and refitted to another.
+using ReadingTable = std::vector<std::vector<TreeReading>>;
+
+/// The first tree by full sweep, as a deforming node's is, and the others binned.
+ReadingTable record_readings(const Sequence& sequence);
+
+/// What ways through a clip take, in tests of a node's eight boxes: rays, refits and rebuilds. The first frame's tree is
+/// there.
+struct Account {
+    const ReadingTable& readings;
+    uint32_t triangle_count = 0;
+    double rays = 0.0;        ///< That enter the tree in each frame.
+    double refit_work = 0.0;  ///< A frame that does not rebuild.
+
+    size_t frame_count() const { return readings.size(); }
+    double build_work() const { return RebuildConfig{}.triangle_work * triangle_count; }
+    double trace_work(size_t built, size_t frame) const { return rays * readings[built][frame - built].cost; }
+
+    double always_refitted() const;
+    double always_rebuilt() const;
+    /// The least of all choices of frames to rebuild in.
+    double in_hindsight() const;
+    /// By what the engine chooses: it refits first, in every frame.
+    double by_policy() const;
+};
+
+}  // namespace zoe::test
