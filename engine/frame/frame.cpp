@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/frame/clip_trees.h"
 #include "engine/frame/frame_state.h"
 
 namespace zoe {
@@ -39,6 +40,7 @@ FrameState& state_of(Scene& scene) {
         }
         auto state = std::make_shared<FrameState>();
         prepare(scene, state.get());
+        build_clip_trees(scene, state.get());
         scene.frame = std::move(state);
     }
     return *scene.frame;

@@ -106,7 +106,8 @@ struct FrameState {
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
-    BlasWork blas_work;                                    ///< Scratch of update_blas.
+    std::vector<Bvh> clip_trees;  ///< [mesh_count] for deforming nodes, until they have theirs; see build_clip_trees.
+    BlasWork blas_work;           ///< Scratch of update_blas.
     RayMean traced_rays;
     size_t written_mesh_count = 0;  ///< Meshes that the user had written when nodes were classified.
     TlasScratch tlas_scratch;

@@ -69,6 +69,13 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
     if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
 }
 
+// A tree that was built over a clip's poses, in this one.
+void pose(const Bvh& tree, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
+    BlasScratch scratch;
+    make_blas(tree, positions, corners, blas, &scratch);
+    refit_blas(positions, corners, blas);
+}
+
 void watch_anew(const Scene& scene, Shape* shape) {
     const std::vector<glm::uvec3>& corners = scene[shape->mesh].corners;
     note_build(read_tree(*shape->blas, shape->positions, corners), shape->blas->triangle_count, &shape->watch);
@@ -82,8 +89,13 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
     } else {
         const Method method = method_for(shape->motion.motion, state);
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
-        make(shape->positions, mesh.corners, method, scene.tree_cache.get(), shape->blas,
-             is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
+        const Bvh* clip_tree = state.clip_trees.empty() ? nullptr : &state.clip_trees[index(shape->mesh)];
+        if (method.is_refitted && clip_tree && clip_tree->primitives.size() == mesh.corners.size()) {
+            pose(*clip_tree, shape->positions, mesh.corners, shape->blas);
+        } else {
+            make(shape->positions, mesh.corners, method, scene.tree_cache.get(), shape->blas,
+                 is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
+        }
         if (method.is_refitted) {
             reserve_builds(shape->blas);
             watch_anew(scene, shape);
@@ -179,6 +191,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     stats->stored += counts.stored;
     if (scene.tree_cache) warn_of_cache(scene);
     if (is_any_new) reserve_rebuilds(scene, &state->blas_work);
+    std::vector<Bvh>().swap(state->clip_trees);  // All have theirs now.
     rebuild_worn(scene, state, stats);
     for (const Shape* shape : work) {
         if (const uint32_t count = shape->blas->not_finite_count; count > 0) {

@@ -129,7 +129,10 @@ public:
     AutoConfig tree_build;     ///< How much building all those trees may cost, looked at when the first frame is made.
     ClusterConfig tlas_build;  ///< How the top level is built in the frames from now on that need a new one.
     PlacingConfig placing;     ///< How instances stand in it; looked at where they move.
-    RebuildConfig rebuild;     ///< When trees of deforming nodes are rebuilt, and not refitted any more.
+    /// Poses of the clips that play, at most, that trees of deforming nodes are first built over: 1 for the first frame's
+    /// alone. Looked at when the first frame is made.
+    uint32_t clip_poses = 8;
+    RebuildConfig rebuild;  ///< When trees of deforming nodes are rebuilt, and not refitted any more.
 
     Node& operator[](NodeId id) { return nodes.at(index(id)); }
     const Node& operator[](NodeId id) const { return nodes.at(index(id)); }

@@ -137,6 +137,7 @@ Content make_scrambled(int ball_count) {
     }
     scene.clips.push_back(clip);
     scene.playback.clips = {ClipId{0}};
+    scene.clip_poses = 1;  // Or trees would be ready for what comes.
     return content;
 }
 

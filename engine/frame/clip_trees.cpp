@@ -1,0 +1,72 @@
+#include "engine/frame/clip_trees.h"
+
+#include <algorithm>
+
+#include "engine/bvh/build_poses.h"
+#include "engine/frame/frame_state.h"
+#include "engine/scene/scene.h"
+
+namespace zoe {
+
+namespace {
+
+// Poses squared times triangles, what `build_poses` costs: half a second or so.
+constexpr double kMostWork = 3.2e6;
+
+// Half as many, and again, until they are not too many to build over.
+uint32_t pose_count(uint32_t most, size_t triangle_count) {
+    uint32_t count = most;
+    while (count > 1 && double(count) * count * static_cast<double>(triangle_count) > kMostWork) count /= 2;
+    return count;
+}
+
+double longest_s(const Scene& scene) {
+    double longest = 0.0;
+    for (const ClipId id : scene.playback.clips) {
+        if (index(id) < scene.clips.size()) longest = std::max(longest, scene.clips[index(id)].duration_s);
+    }
+    return longest;
+}
+
+// Of each mesh that deforming nodes show, the first that does.
+std::vector<const Shape*> choose_shapes(const Scene& scene, const FrameState& state) {
+    std::vector<const Shape*> chosen;
+    std::vector<uint8_t> is_chosen(scene.meshes.size());
+    for (const Shape& shape : state.shapes) {
+        const MeshId mesh = scene[shape.node].mesh;
+        if (shape.motion.motion != Motion::kDeforming || mesh == kNone<MeshId> || is_chosen[index(mesh)]) continue;
+        is_chosen[index(mesh)] = 1;
+        chosen.push_back(&shape);
+    }
+    return chosen;
+}
+
+void add_boxes(const Shape& shape, std::span<const glm::uvec3> corners, std::vector<Aabb>* boxes) {
+    for (const glm::uvec3& t : corners) {
+        const Triangle triangle{shape.positions[t.x], shape.positions[t.y], shape.positions[t.z], 0};
+        const bool is_finite = zoe::is_finite(triangle.a) && zoe::is_finite(triangle.b) && zoe::is_finite(triangle.c);
+        boxes->push_back(is_finite ? bounds(triangle) : Aabb{});
+    }
+}
+
+}  // namespace
+
+void build_clip_trees(const Scene& scene, FrameState* state) {
+    const double duration_s = longest_s(scene);
+    const std::vector<const Shape*> shapes = choose_shapes(scene, *state);
+    size_t triangle_count = 0;
+    for (const Shape* shape : shapes) triangle_count += scene[scene[shape->node].mesh].corners.size();
+    const uint32_t count = pose_count(scene.clip_poses, triangle_count);
+    if (!(duration_s > 0.0) || triangle_count == 0 || count < 2) return;
+    std::vector<std::vector<Aabb>> boxes(shapes.size());
+    for (uint32_t pose = 0; pose < count; ++pose) {
+        animate(scene, duration_s * pose / count, state);
+        deform(scene, state);
+        for (size_t k = 0; k < shapes.size(); ++k) add_boxes(*shapes[k], scene[shapes[k]->mesh].corners, &boxes[k]);
+    }
+    state->clip_trees.resize(scene.meshes.size());
+    for (size_t k = 0; k < shapes.size(); ++k)
+        state->clip_trees[index(shapes[k]->mesh)] = build_poses(boxes[k], count, {.max_leaf_size = 8});
+}
+
+}  // namespace zoe
