@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "engine/bvh/simd_targets.h"
+#include "engine/math/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/bvh/cluster_tree.cpp"

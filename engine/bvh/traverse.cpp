@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/bvh/simd_targets.h"
+#include "engine/math/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/bvh/traverse.cpp"

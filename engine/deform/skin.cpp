@@ -2,29 +2,14 @@
 
 #include <cassert>
 
+#include "engine/deform/skin_kernels.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
 
 namespace {
 
-constexpr size_t kGrain = 2048;
-
-// Weighted sum of a vertex's joint matrices. No weight at all: joint 0 of its list.
-Affine blend(const SkinBinding& binding, std::span<const Affine> skin_from_mesh, size_t vertex) {
-    const size_t first = vertex * binding.influence_count;
-    Affine sum{glm::mat3(0.0f), glm::vec3(0.0f)};
-    bool is_weighted = false;
-    for (size_t k = first; k < first + binding.influence_count; ++k) {
-        const float weight = binding.weights[k];
-        if (weight == 0.0f) continue;
-        const Affine& joint = skin_from_mesh[binding.joints[k]];
-        sum.linear += weight * joint.linear;
-        sum.translation += weight * joint.translation;
-        is_weighted = true;
-    }
-    return is_weighted ? sum : skin_from_mesh[binding.joints[first]];
-}
+constexpr size_t kGrain = 2048;  // A multiple of the widest vector: only the last range has a part of one.
 
 }  // namespace
 
@@ -42,26 +27,21 @@ std::vector<uint8_t> used_joints(const SkinBinding& binding, size_t joint_count)
     return is_used;
 }
 
-void skin_positions(const SkinBinding& binding, std::span<const Affine> skin_from_mesh, std::span<const glm::vec3> in,
-                    std::span<glm::vec3> out) {
-    assert(out.size() == in.size() && binding.influence_count > 0);
-    parallel_for(0, in.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t v = begin; v < end; ++v) out[v] = blend(binding, skin_from_mesh, v).point(in[v]);
-    });
-}
-
-void skin_normals(const SkinBinding& binding, std::span<const Affine> skin_from_mesh, std::span<const glm::vec3> in,
-                  std::span<glm::vec3> out) {
-    assert(out.size() == in.size() && binding.influence_count > 0);
-    parallel_for(0, in.size(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t v = begin; v < end; ++v) {
-            const glm::mat3 m = blend(binding, skin_from_mesh, v).linear;
-            // The cofactor matrix is the inverse transpose times the determinant: its sign keeps normals outside, and it
-            // is fine for flattened joints.
-            const glm::mat3 cofactor(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-            out[v] = (glm::determinant(m) < 0.0f ? -1.0f : 1.0f) * (cofactor * in[v]);
-        }
-    });
+void skin(const SkinBinding& binding, const PackedJoints& joints, std::span<const glm::vec3> positions,
+          std::span<const glm::vec3> normals, std::span<glm::vec3> skinned_positions, std::span<glm::vec3> skinned_normals) {
+    assert(binding.influence_count > 0 && skinned_positions.size() == positions.size());
+    assert(binding.weights.size() == binding.influence_count * positions.size());
+    assert((normals.empty() || normals.size() == positions.size()) && skinned_normals.size() == normals.size());
+    const SkinWork work{.influence_count = binding.influence_count,
+                        .joints = binding.joints.data(),
+                        .weights = binding.weights.data(),
+                        .packed = &joints,
+                        .positions = positions.data(),
+                        .normals = normals.empty() ? nullptr : normals.data(),
+                        .skinned_positions = skinned_positions.data(),
+                        .skinned_normals = skinned_normals.data()};
+    const auto kernel = joints.skinning == Skinning::kLinearBlend ? skin_linear : skin_dual;
+    parallel_for(0, positions.size(), kGrain, [&](size_t begin, size_t end) { kernel(work, begin, end); });
 }
 
 }  // namespace zoe

@@ -16,7 +16,7 @@ namespace zoe {
 inline constexpr uint32_t kNoPathNode = 0xffffffffu;
 
 /// Joint matrices of a skin in the space of an animated node that all its joints hang from: products of the local
-/// matrices between them, which no clip changes.
+/// matrices between them, which no clip changes. Empty where there is no such node.
 struct SkinPath {
     std::vector<NodeId> nodes;            ///< Parents first; nodes[0] is the frame node, its matrix taken as the identity.
     std::vector<uint32_t> parents;        ///< [nodes] position of each one's parent in `nodes`.
@@ -29,15 +29,21 @@ struct Shape {
     NodeId node = kNone<NodeId>;
     NodeMotion motion;
     bool has_skin = false;
-    SkinPath skin_path;  ///< Used where motion.frame is a node.
+    SkinPath skin_path;
+    std::vector<uint8_t> used_joints;      ///< [joint_count] of a skin.
+    std::vector<glm::vec3> joint_centres;  ///< [joint_count] of a dual quaternion skin.
 
     MeshId mesh = kNone<MeshId>;  ///< Shown in this frame.
     std::vector<float> weights;   ///< This frame's morph weights.
     std::vector<Affine> joints;   ///< This frame's joint matrices, skin space from mesh.
 
+    PackedJoints packed_joints;  ///< The same, as they are read.
+
+    std::vector<glm::vec3> morphed_positions, morphed_normals;  ///< Of what is both morphed and skinned.
     std::vector<glm::vec3> deformed_positions, deformed_normals;
     std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, or the deformed.
 
+    bool is_deformed = false;         ///< Its vertices were worked out in this frame.
     bool is_changed = true;           ///< Its vertices are other than in the last frame.
     bool is_topology_changed = true;  ///< So may be its triangles.
     uint64_t mesh_version = 0;
@@ -103,6 +109,7 @@ struct FrameState {
     double time_s = 0.0;                                   ///< Of this frame.
     std::vector<float> sampled;                            ///< Scratch.
     std::vector<Shape> shapes;                             ///< In order of their nodes.
+    std::vector<MorphReach> morph_reaches;                 ///< [mesh_count] of meshes with targets.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
@@ -121,8 +128,8 @@ size_t count_written_meshes(const Scene& scene);
 
 /// The stages, in order. Each reads what the ones before it wrote.
 void animate(const Scene& scene, double time_s, FrameState* state);
-void deform(const Scene& scene, FrameState* state);
 struct FrameStats;
+void deform(const Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
 

@@ -65,6 +65,7 @@ void prepare(Scene& scene, FrameState* state) {
     state->local_matrices.resize(node_count);
     state->world_matrices.resize(node_count);
     state->weights.resize(node_count);
+    state->morph_reaches.resize(scene.meshes.size());
     state->shared_blases.resize(scene.meshes.size());
     state->is_shared_blas_built.resize(scene.meshes.size());
     state->written_mesh_count = count_written_meshes(scene);
@@ -81,11 +82,16 @@ void prepare(Scene& scene, FrameState* state) {
         shape.node = NodeId{k};
         shape.motion = state->motions[k];
         shape.has_skin = !node.sequence && node.skin != kNone<SkinId> && scene[node.mesh].binding.influence_count > 0;
-        if (shape.has_skin && shape.motion.frame != kNone<NodeId>) {
-            const Skin& skin = scene.skins[index(node.skin)];
-            const auto is_used = used_joints(scene[node.mesh].binding, skin.joints.size());
-            shape.skin_path = find_path(scene, skin, is_used, shape.motion.frame, rank, position);
+        if (!shape.has_skin) continue;
+        const Skin& skin = scene.skins[index(node.skin)];
+        shape.used_joints = used_joints(scene[node.mesh].binding, skin.joints.size());
+        if (skin.skinning == Skinning::kDualQuaternion) shape.joint_centres = joint_centres(skin.joint_from_mesh);
+        if (shape.motion.frame != kNone<NodeId>) {
+            shape.skin_path = find_path(scene, skin, shape.used_joints, shape.motion.frame, rank, position);
         }
+    }
+    for (size_t k = 0; k < scene.meshes.size(); ++k) {
+        if (!scene.meshes[k].targets.empty()) state->morph_reaches[k] = find_reach(scene.meshes[k].targets);
     }
     for (Shape& shape : state->shapes) {
         const Node& node = scene[shape.node];

@@ -142,8 +142,12 @@ inline constexpr SchemaMember kNode[] = {
     {"extras", SchemaKind::kExtras, "", kNodeExtras},
 };
 inline constexpr SchemaMember kScene[] = {string("name"), indices("nodes", "nodes")};
-inline constexpr SchemaMember kSkin[] = {string("name"), required(indices("joints", "nodes", 1)),
-                                         index("inverseBindMatrices", "accessors"), index("skeleton", "nodes")};
+inline constexpr SchemaMember kSkinExtras[] = {{"skinning", SchemaKind::kAny}};
+inline constexpr SchemaMember kSkin[] = {string("name"),
+                                         required(indices("joints", "nodes", 1)),
+                                         index("inverseBindMatrices", "accessors"),
+                                         index("skeleton", "nodes"),
+                                         {"extras", SchemaKind::kExtras, "", kSkinExtras}};
 
 inline constexpr SchemaMember kPerspective[] = {required(number("yfov")), required(number("znear")), number("zfar"),
                                                 number("aspectRatio")};

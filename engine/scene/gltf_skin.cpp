@@ -25,6 +25,17 @@ Affine to_affine_checked(const float* m, const GltfFile& file, const std::string
     return a;
 }
 
+/// extras.skinning: this project's own word.
+Skinning skinning_of(const tinygltf::Value& extras, Scene& scene) {
+    if (!extras.Has("skinning")) return Skinning::kLinearBlend;
+    const tinygltf::Value& word = extras.Get("skinning");
+    if (word.IsString() && word.Get<std::string>() == "dual_quaternion") return Skinning::kDualQuaternion;
+    if (!word.IsString() || word.Get<std::string>() != "linear_blend") {
+        scene.warn("extras.skinning is none of linear_blend, dual_quaternion: ignored");
+    }
+    return Skinning::kLinearBlend;
+}
+
 }  // namespace
 
 std::vector<Skin> read_skins(GltfFile& file, Scene& scene) {
@@ -34,6 +45,7 @@ std::vector<Skin> read_skins(GltfFile& file, Scene& scene) {
         const std::string place = fmt::format("/skins/{}", i);
         Skin skin;
         skin.name = from.name;
+        skin.skinning = skinning_of(from.extras, scene);
         if (from.joints.size() > 0x10000) file.fail(place + "/joints", "more than 65536 joints");
         for (const int joint : from.joints) skin.joints.push_back(NodeId(joint));
         skin.joint_from_mesh.resize(skin.joints.size());

@@ -55,6 +55,7 @@ struct Skin {
     std::string name;
     std::vector<NodeId> joints;
     std::vector<Affine> joint_from_mesh;  ///< Inverse bind matrices, [joint_count].
+    Skinning skinning = Skinning::kLinearBlend;
 };
 
 enum class ChannelPath : uint8_t { kTranslation, kRotation, kScale, kWeights };

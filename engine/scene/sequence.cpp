@@ -98,12 +98,14 @@ void pose(const Scene& scene, const Node& node, const std::vector<Affine>& world
         for (size_t j = 0; j < skin.joints.size(); ++j) {
             world_from_mesh[j] = world[index(skin.joints[j])] * skin.joint_from_mesh[j];
         }
-        std::vector<glm::vec3> posed(positions.size());
-        skin_positions(mesh.binding, world_from_mesh, positions, posed);
-        positions.swap(posed);
-        posed.resize(normals.size());
-        if (!normals.empty()) skin_normals(mesh.binding, world_from_mesh, normals, posed);
-        normals.swap(posed);
+        PackedJoints joints;
+        if (skin.skinning == Skinning::kDualQuaternion) {
+            pack_joints_dual(world_from_mesh, joint_centres(skin.joint_from_mesh),
+                             used_joints(mesh.binding, skin.joints.size()), &joints);
+        } else {
+            pack_joints(world_from_mesh, &joints);
+        }
+        zoe::skin(mesh.binding, joints, positions, normals, positions, normals);
         return;
     }
     for (glm::vec3& p : positions) p = world_from_local.point(p);

@@ -58,6 +58,65 @@ TEST(Morph, NothingToDoIsFine) {
     morph_normals({}, std::vector<MorphTarget>(3), std::vector<float>{1, 1, 1}, {});
 }
 
+TEST(Morph, ReachIsWhatOffsetsMove) {
+    std::vector<glm::vec3> offsets(100, glm::vec3(0.0f));
+    for (const size_t v : {10u, 11u, 15u, 60u, 99u}) offsets[v].y = 1.0f;
+    std::vector<glm::vec3> other(100, glm::vec3(0.0f));
+    other[13].x = std::nanf("");
+    other[70].z = -1.0f;
+    const MorphReach reach = find_reach(std::vector<MorphTarget>{{offsets, {}}, {other, offsets}, {{}, {}}});
+    using Ranges = std::vector<VertexRange>;
+    EXPECT_EQ(reach.positions.by_target, (std::vector<Ranges>{{{10, 16}, {60, 61}, {99, 100}}, {{13, 14}, {70, 71}}, {}}));
+    EXPECT_EQ(reach.positions.by_any, (Ranges{{10, 16}, {60, 61}, {70, 71}, {99, 100}}));
+    EXPECT_EQ(reach.normals.by_target, (std::vector<Ranges>{{}, {{10, 16}, {60, 61}, {99, 100}}, {}}));
+}
+
+TEST(Morph, WithItsReachItGivesTheSameAndTouchesNothingElse) {
+    const uint64_t seed = 163;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    for (const size_t vertex_count : {1u, 50u, 3000u, 20000u}) {
+        for (int round = 0; round < 20; ++round) {
+            const Points base = random_points(rng, vertex_count);
+            std::vector<MorphTarget> targets(1 + rng.below(6));
+            std::vector<float> weights;
+            for (MorphTarget& target : targets) {
+                weights.push_back(rng.below(3) == 0 ? 0.0f : rng.uniform(-1.0f, 1.0f));
+                if (rng.below(6) == 0) continue;
+                target.positions.assign(vertex_count, glm::vec3(0.0f));
+                const size_t first = rng.below(static_cast<uint32_t>(vertex_count));
+                const size_t last = first + rng.below(static_cast<uint32_t>(vertex_count - first)) / 4;
+                for (size_t v = first; v <= last; ++v) target.positions[v] = random_point(rng, 1.0f);
+                target.normals = target.positions;
+            }
+            const MorphReach reach = find_reach(targets);
+            std::vector<uint8_t> is_reached(vertex_count, 0);
+            for (const VertexRange& r : reach.positions.by_any) {
+                for (uint32_t v = r.begin; v < r.end; ++v) is_reached[v] = 1;
+            }
+            Points dense(vertex_count), sparse = base;
+            // What was left there before, a morph replaces.
+            for (size_t v = 0; v < vertex_count; ++v) {
+                if (is_reached[v]) sparse[v] = glm::vec3(1e9f);
+            }
+            morph_positions(base, targets, weights, dense);
+            morph_positions(base, targets, reach, weights, sparse);
+            EXPECT_EQ(sparse, dense) << vertex_count << " vertices, round " << round;
+            Points normals = base;
+            morph_normals(base, targets, reach, weights, normals);
+            EXPECT_EQ(normals, dense) << vertex_count << " vertices, round " << round;
+            // Nothing else is written.
+            Points marked(vertex_count, glm::vec3(7.0f));
+            morph_positions(base, targets, reach, weights, marked);
+            for (size_t v = 0; v < vertex_count; ++v) {
+                if (!is_reached[v]) {
+                    ASSERT_EQ(marked[v], glm::vec3(7.0f)) << "vertex " << v;
+                }
+            }
+        }
+    }
+}
+
 TEST(Morph, AgreesWithDoubleForAnyNumberOfTargets) {
     const uint64_t seed = 162;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

@@ -1,47 +1,17 @@
 #include "engine/deform/skin.h"
 
+#include <cstring>
+
 #include <gtest/gtest.h>
-#include <glm/ext/matrix_double3x3.hpp>
-#include <glm/ext/vector_double3.hpp>
 #include <glm/matrix.hpp>
 
-#include "tests/math/random_inputs.h"
+#include "tests/bvh/each_target.h"
+#include "tests/deform/skin_oracle.h"
 
 namespace zoe::test {
 namespace {
 
 using Points = std::vector<glm::vec3>;
-
-SkinBinding random_binding(Rng& rng, size_t vertex_count, uint32_t influence_count, uint32_t joint_count) {
-    SkinBinding binding{influence_count, {}, {}};
-    for (size_t v = 0; v < vertex_count; ++v) {
-        std::vector<float> weights(influence_count);
-        float sum = 0.0f;
-        for (float& weight : weights) sum += weight = rng.below(3) == 0 ? 0.0f : rng.uniform();
-        if (sum == 0.0f) sum = weights[0] = 1.0f;
-        for (const float weight : weights) {
-            binding.joints.push_back(static_cast<uint16_t>(rng.below(joint_count)));
-            binding.weights.push_back(weight / sum);
-        }
-    }
-    return binding;
-}
-
-struct DoubleAffine {
-    glm::dmat3 linear{0.0};
-    glm::dvec3 translation{0.0};
-};
-
-DoubleAffine blended(const SkinBinding& binding, const std::vector<Affine>& joints, size_t vertex) {
-    DoubleAffine sum;
-    for (uint32_t k = 0; k < binding.influence_count; ++k) {
-        const double weight = binding.weights[vertex * binding.influence_count + k];
-        const Affine& joint = joints[binding.joints[vertex * binding.influence_count + k]];
-        sum.linear += weight * glm::dmat3(joint.linear);
-        sum.translation += weight * glm::dvec3(joint.translation);
-    }
-    return sum;
-}
 
 TEST(Skin, HandComputed) {
     // One vertex half way between a joint that moved up and one that turned a quarter about z.
@@ -165,6 +135,105 @@ TEST(Skin, OppositeRotationsMayCancelWithoutNan) {
     EXPECT_NEAR(out[0].z, 0.0f, 1e-6f);
     skin_normals(binding, joints, in, out);
     EXPECT_TRUE(std::isfinite(out[0].x + out[0].y + out[0].z));
+}
+
+// One vertex, in plain floats: the operations of the kernels in their order.
+void skin_one(const SkinBinding& binding, const std::vector<Affine>& joints, size_t vertex, glm::vec3* position,
+              glm::vec3* normal) {
+    const size_t first = vertex * binding.influence_count;
+    Affine m{glm::mat3(0.0f), glm::vec3(0.0f)};
+    bool is_weighted = false;
+    for (size_t k = first; k < first + binding.influence_count; ++k) {
+        if (binding.weights[k] == 0.0f) continue;
+        is_weighted = true;
+        m.linear += binding.weights[k] * joints[binding.joints[k]].linear;
+        m.translation += binding.weights[k] * joints[binding.joints[k]].translation;
+    }
+    if (!is_weighted) m = joints[binding.joints[first]];
+    *position = m.point(*position);
+    const glm::mat3 rows = glm::transpose(m.linear);
+    const glm::vec3 x = glm::cross(rows[1], rows[2]), y = glm::cross(rows[2], rows[0]), z = glm::cross(rows[0], rows[1]);
+    const auto dot = [](const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+    const glm::vec3 turned(dot(x, *normal), dot(y, *normal), dot(z, *normal));
+    *normal = dot(rows[0], x) < 0.0f ? -turned : turned;
+}
+
+bool is_same(const Points& a, const Points& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0;
+}
+
+TEST(Skin, EveryTargetGivesTheBitsOfPlainFloats) {
+    const uint64_t seed = 174;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    for (const uint32_t influence_count : {1u, 3u, 4u, 8u}) {
+        for (const size_t vertex_count : {1u, 3u, 4u, 15u, 16u, 17u, 63u, 5000u}) {
+            std::vector<Affine> joints;
+            for (int k = 0; k < 40; ++k) joints.push_back(random_affine(rng, 0.5, 2.0, 3.0f));
+            SkinBinding binding = random_binding(rng, vertex_count, influence_count, 40);
+            for (uint32_t k = 0; k < influence_count; ++k) binding.weights[k] = 0.0f;  // The first vertex has none.
+            Points positions, normals;
+            for (size_t v = 0; v < vertex_count; ++v) {
+                positions.push_back(random_point(rng, 2.0f));
+                normals.push_back(random_direction(rng));
+            }
+            Points expected_positions = positions, expected_normals = normals;
+            for (size_t v = 0; v < vertex_count; ++v) {
+                skin_one(binding, joints, v, &expected_positions[v], &expected_normals[v]);
+            }
+            on_each_target([&] {
+                Points out(vertex_count), out_normals(vertex_count);
+                skin(binding, packed_linear(joints), positions, normals, out, out_normals);
+                EXPECT_TRUE(is_same(out, expected_positions)) << influence_count << " influences, " << vertex_count;
+                EXPECT_TRUE(is_same(out_normals, expected_normals)) << influence_count << " influences, " << vertex_count;
+                // Where they stand, too.
+                out = positions;
+                out_normals = normals;
+                skin(binding, packed_linear(joints), out, out_normals, out, out_normals);
+                EXPECT_TRUE(is_same(out, expected_positions) && is_same(out_normals, expected_normals)) << "in place";
+            });
+        }
+    }
+}
+
+TEST(Skin, AWeightOfZeroHidesAJointThatIsNotFinite) {
+    const float infinity = std::numeric_limits<float>::infinity();
+    const std::vector<Affine> joints = {{}, {glm::mat3(infinity), {0, 0, 0}}, {glm::mat3(1.0f), {std::nanf(""), 0, 0}}};
+    const SkinBinding binding{4, {0, 1, 2, 2, 0, 1, 0, 0}, {1, 0, 0, 0, 0.5f, 0.5f, 0, 0}};
+    const Points in = {{1, 2, 3}, {1, 2, 3}};
+    Points out(2), normals(2);
+    on_each_target([&] {
+        skin(binding, packed_linear(joints), in, in, out, normals);
+        EXPECT_EQ(out[0], in[0]);
+        EXPECT_EQ(normals[0], in[0]);
+        EXPECT_FALSE(std::isfinite(out[1].x)) << "its joint is not finite";
+    });
+}
+
+// In units in the last place of the largest coordinate that a vertex meets on its way.
+TEST(Skin, IsWithinUlpsOfTheBoundingBox) {
+    const uint64_t seed = 175;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    for (const double reach : {1e-3, 1.0, 1e4}) {
+        std::vector<Affine> joints;
+        for (int k = 0; k < 50; ++k) {
+            joints.push_back({glm::mat3_cast(random_rotation(rng)), random_point(rng, static_cast<float>(reach))});
+        }
+        const SkinBinding binding = random_binding(rng, 20000, 4, 50);
+        Points in, out(20000);
+        for (size_t v = 0; v < out.size(); ++v) in.push_back(random_point(rng, static_cast<float>(reach)));
+        skin_positions(binding, joints, in, out);
+        double worst = 0.0;
+        for (size_t v = 0; v < out.size(); ++v) {
+            const DoubleAffine m = blended(binding, joints, v);
+            const glm::dvec3 error = glm::dvec3(out[v]) - (m.linear * glm::dvec3(in[v]) + m.translation);
+            for (int k = 0; k < 3; ++k) worst = std::max(worst, std::abs(error[k]));
+        }
+        const double ulp = reach * 1.1920929e-7;
+        EXPECT_LT(worst, 4.0 * ulp) << "reach " << reach << ": " << worst / ulp << " ulps";
+        EXPECT_GT(worst, 0.1 * ulp) << "nothing was compared";
+    }
 }
 
 TEST(Skin, UsedJointsAreThoseThatAVertexFollows) {

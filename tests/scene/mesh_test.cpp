@@ -141,6 +141,26 @@ TEST(SkinReader, MissingMatricesAreIdentitiesAndWeightlessVerticesFollowJointZer
     EXPECT_EQ(scene.warnings().at("a vertex without joint weights: it follows joint 0"), 4u);
 }
 
+TEST(SkinReader, ExtrasPickDualQuaternions) {
+    GlbBuilder glb = make_rich_glb();
+    EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kLinearBlend);
+    nlohmann::json& extras = glb.json["skins"][0]["extras"];
+    const std::string warning = "extras.skinning is none of linear_blend, dual_quaternion: ignored";
+    extras = {{"skinning", "dual_quaternion"}, {"anything", {1, 2}}};
+    EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kDualQuaternion);
+    EXPECT_EQ(glb.load().warnings().count(warning), 0u);
+    extras = {{"skinning", "linear_blend"}};
+    EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kLinearBlend);
+    EXPECT_EQ(glb.load().warnings().count(warning), 0u);
+    for (const nlohmann::json& wrong : {nlohmann::json("spherical"), nlohmann::json(1), nlohmann::json::array()}) {
+        extras = {{"skinning", wrong}};
+        EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kLinearBlend);
+        EXPECT_EQ(glb.load().warnings().count(warning), 1u) << wrong.dump();
+    }
+    extras = "not an object";
+    EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kLinearBlend);
+}
+
 TEST(SkinReader, JointsMustBeInTheSkin) {
     GlbBuilder glb = make_rich_glb();
     glb.json["skins"][0]["joints"] = {1};
