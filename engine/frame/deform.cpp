@@ -55,6 +55,11 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
     shape->is_changed = shape->is_topology_changed;
     shape->mesh = mesh_id;
     shape->mesh_version = mesh.version;
+    shape->shown = &mesh;
+    if (mesh.surface && shape->cage_version != mesh.surface->version) {
+        shape->cage_version = mesh.surface->version;
+        shape->is_changed = true;
+    }
 
     const bool is_morphed = !mesh.targets.empty() && !node.sequence;
     if (!is_morphed && !shape->has_skin) {
@@ -81,10 +86,11 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
 
 }  // namespace
 
-void deform(const Scene& scene, FrameState* state) {
+void deform(Scene& scene, FrameState* state, FrameStats* stats) {
     parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) deform_shape(scene, *state, &state->shapes[k]);
     });
+    refine(scene, state, stats);
 }
 
 }  // namespace zoe

@@ -52,7 +52,7 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     FrameStats& s = stats ? *stats : ignored;
     FrameState& state = state_of(scene);
     timed(&s.animate_ms, [&] { animate(scene, time_s, &state); });
-    timed(&s.deform_ms, [&] { deform(scene, &state); });
+    timed(&s.deform_ms, [&] { deform(scene, &state, &s); });
     timed(&s.update_blas_ms, [&] { update_blas(scene, &state, &s); });
     timed(&s.build_tlas_ms, [&] { build_tlas(scene, &state, &s); });
     return state.tlas;

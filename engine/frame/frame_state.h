@@ -1,5 +1,7 @@
 #pragma once
 
+#include <compare>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "engine/frame/build_tlas.h"
 #include "engine/frame/classify.h"
 #include "engine/frame/open_instances.h"
+#include "engine/frame/refine.h"
 
 namespace zoe {
 
@@ -23,6 +26,13 @@ struct SkinPath {
     std::vector<Affine> frame_from_node;  ///< [nodes] scratch.
 };
 
+/// The surface of a mesh at a level of subdivision.
+struct SurfaceLevel {
+    MeshId mesh;
+    int level;
+    auto operator<=>(const SurfaceLevel&) const = default;
+};
+
 /// What a node that shows a mesh keeps from frame to frame.
 struct Shape {
     NodeId node = kNone<NodeId>;
@@ -35,7 +45,13 @@ struct Shape {
     std::vector<Affine> joints;   ///< This frame's joint matrices, skin space from mesh.
 
     std::vector<glm::vec3> deformed_positions, deformed_normals;
-    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, or the deformed.
+    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, the deformed, or the surface's.
+
+    const Mesh* shown = nullptr;  ///< Whose triangles are shown: the mesh, or its surface at a level.
+    int level = 0;                ///< Of subdivision; 0: the mesh has no surface.
+    const Refined* refined = nullptr;
+    std::vector<glm::vec3> refined_positions, refined_normals;
+    uint64_t cage_version = 0;
 
     bool is_changed = true;           ///< Its vertices are other than in the last frame.
     bool is_topology_changed = true;  ///< So may be its triangles.
@@ -74,11 +90,12 @@ struct FrameState {
     std::vector<NodeMotion> motions;        ///< [node_count]
     std::vector<Trs> locals;                ///< [node_count] this frame's, where the node has no matrix.
     std::vector<DAffine> scene_from_nodes;  ///< [node_count] this frame's, before the scene's origin is taken off.
-    std::vector<Affine> local_matrices, world_matrices;    ///< [node_count] this frame's.
-    std::vector<std::vector<float>> weights;               ///< [node_count] this frame's; empty where nothing is morphed.
-    double time_s = 0.0;                                   ///< Of this frame.
-    std::vector<float> sampled;                            ///< Scratch.
-    std::vector<Shape> shapes;                             ///< In order of their nodes.
+    std::vector<Affine> local_matrices, world_matrices;  ///< [node_count] this frame's.
+    std::vector<std::vector<float>> weights;             ///< [node_count] this frame's; empty where nothing is morphed.
+    double time_s = 0.0;                                 ///< Of this frame.
+    std::vector<float> sampled;                          ///< Scratch.
+    std::vector<Shape> shapes;                           ///< In order of their nodes.
+    std::map<SurfaceLevel, std::unique_ptr<Refined>> refined;
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
@@ -95,8 +112,8 @@ size_t count_written_meshes(const Scene& scene);
 
 /// The stages, in order. Each reads what the ones before it wrote.
 void animate(const Scene& scene, double time_s, FrameState* state);
-void deform(const Scene& scene, FrameState* state);
 struct FrameStats;
+void deform(Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
 

@@ -68,7 +68,7 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
 }
 
 void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
-    const Mesh& mesh = scene[shape->mesh];
+    const Mesh& mesh = *shape->shown;
     if (action_for(*shape, state) == Action::kRefit) {
         refit_blas(shape->positions, mesh.corners, shape->blas);
     } else {
