@@ -212,6 +212,12 @@ uint64_t count_triangles(const Cage& cage, int level) {
     return count;
 }
 
+int finest_level(const Cage& cage, size_t vertex_count) {
+    int level = kMaxSubdivisionLevel;
+    while (level > 0 && bound_entries(cage, vertex_count, level) > kMaxStencilEntries) --level;
+    return level;
+}
+
 std::vector<glm::uvec3> split_faces(const Cage& cage) {
     std::vector<glm::uvec3> triangles;
     size_t first = 0;

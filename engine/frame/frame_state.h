@@ -49,7 +49,10 @@ struct Shape {
 
     const Mesh* shown = nullptr;  ///< Whose triangles are shown: the mesh, or its surface at a level.
     int level = 0;                ///< Of subdivision; 0: the mesh has no surface.
+    Seen seen;                    ///< From where, when the level was chosen by its pixels.
+    bool is_capped = false;       ///< It would have had to be finer.
     const Refined* refined = nullptr;
+    int refined_level = 0;  ///< Of `refined`.
     std::vector<glm::vec3> refined_positions, refined_normals;
     uint64_t cage_version = 0;
 
@@ -96,6 +99,7 @@ struct FrameState {
     std::vector<float> sampled;                          ///< Scratch.
     std::vector<Shape> shapes;                           ///< In order of their nodes.
     std::map<SurfaceLevel, std::unique_ptr<Refined>> refined;
+    std::map<MeshId, LevelChoice> level_choices;           ///< Of meshes whose surfaces have `pixels`.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.

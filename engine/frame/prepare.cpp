@@ -69,6 +69,10 @@ void prepare(Scene& scene, FrameState* state) {
     state->shared_blases.resize(scene.meshes.size());
     state->is_shared_blas_built.resize(scene.meshes.size());
     state->written_mesh_count = count_written_meshes(scene);
+    for (uint32_t k = 0; k < scene.meshes.size(); ++k) {
+        const Mesh& mesh = scene.meshes[k];
+        if (mesh.surface && mesh.surface->pixels > 0.0f) state->level_choices[MeshId{k}] = make_level_choice(mesh);
+    }
     warn_of_refused_motion(scene, state->motions);
 
     std::vector<uint32_t> rank(node_count), position(node_count, kNoPathNode);
