@@ -21,6 +21,8 @@ std::span<const BenchScene> bench_scenes() {
         BenchScene{"rigid", "rigid-1000", 8, {512, 512}, "1,000 moving copies of 1,000 triangles"},
         BenchScene{"deforming", "deforming-500", 8, {512, 512}, "a waving cloth of 500 x 500 quads"},
         BenchScene{"skinned", "skinned-100", 8, {512, 512}, "100 walking figures"},
+        BenchScene{
+            "surface", "surface-100", 8, {512, 512}, "a subdivision surface: a morphing cage of 10,000 quads at level 2"},
         BenchScene{"arbitrary", "arbitrary-20000", 8, {512, 512}, "20,000 triangles that explode"},
         BenchScene{"topology", "topology-98", 8, {512, 512}, "drops that merge and part: other triangles every frame"},
         BenchScene{"mixed", "mixed-20", 60, {1024, 1024}, "a static room, 100 rigid objects, a cloth, an explosion", 2},

@@ -93,7 +93,7 @@ private:
                 Bottom& bottom = *changed_[k];
                 const Shape& shape = scene.frame->shapes[bottom.shape];
                 if (!bottom.is_built || shape.is_topology_changed) {
-                    bottom.mesh.resize(scene[shape.mesh].corners, shape.positions.size());
+                    bottom.mesh.resize(shape.shown->corners, shape.positions.size());
                 }
                 std::copy(shape.positions.begin(), shape.positions.end(), bottom.mesh.vertices().begin());
             }

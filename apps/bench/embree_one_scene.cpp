@@ -98,7 +98,7 @@ private:
     void copy(const Scene& scene, const Change& change) {
         const Shape& shape = scene.frame->shapes[change.shape];
         EmbreeMesh& mesh = placed_[change.shape].mesh;
-        if (change.is_resized) mesh.resize(scene[shape.mesh].corners, shape.positions.size());
+        if (change.is_resized) mesh.resize(shape.shown->corners, shape.positions.size());
         if (change.instance->is_identity) std::copy(shape.positions.begin(), shape.positions.end(), mesh.vertices().begin());
     }
 

@@ -212,6 +212,24 @@ uint64_t count_triangles(const Cage& cage, int level) {
     return count;
 }
 
+int finest_level(const Cage& cage, size_t vertex_count) {
+    int level = kMaxSubdivisionLevel;
+    while (level > 0 && bound_entries(cage, vertex_count, level) > kMaxStencilEntries) --level;
+    return level;
+}
+
+std::vector<glm::uvec3> split_faces(const Cage& cage) {
+    std::vector<glm::uvec3> triangles;
+    size_t first = 0;
+    for (const uint32_t size : cage.face_sizes) {
+        for (uint32_t k = 2; k < size; ++k) {
+            triangles.emplace_back(cage.vertices[first], cage.vertices[first + k - 1], cage.vertices[first + k]);
+        }
+        first += size;
+    }
+    return triangles;
+}
+
 std::string check(const Cage& cage, size_t vertex_count, int level) {
     if (level < 1 || level > kMaxSubdivisionLevel)
         return "level " + std::to_string(level) + " is not 1 to " + std::to_string(kMaxSubdivisionLevel);

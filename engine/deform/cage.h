@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 namespace zoe {
 
@@ -54,6 +55,14 @@ inline constexpr uint64_t kMaxStencilEntries = uint64_t{1} << 28;
 /// Triangles that `level` rounds of subdivision make of a cage whose faces have `face_sizes`; boundary faces count.
 /// Returns    the number, or UINT64_MAX where it has more than 64 bits.
 uint64_t count_triangles(const Cage& cage, int level);
+
+/// The cage's faces as triangles, each split from its first vertex: what shows the cage itself.
+/// Returns    [sum over the faces of size - 2] face after face.
+std::vector<glm::uvec3> split_faces(const Cage& cage);
+
+/// The finest level at which a cage's surface fits into `kMaxStencilEntries`, at most `kMaxSubdivisionLevel`; 0: there is
+/// none. Requires   that `check` of the cage is empty at some level.
+int finest_level(const Cage& cage, size_t vertex_count);
 
 /// Tells whether a cage can be subdivided: indices in range, proper faces, at most two faces an edge and one fan of faces a
 /// vertex, all wound alike, creases that exist, numbers that are numbers, and a bounded result. Vertices without a face are

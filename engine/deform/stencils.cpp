@@ -1,5 +1,6 @@
 #include "engine/deform/stencils.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -87,6 +88,36 @@ void evaluate_both(const StencilTable& stencils, const Source& source, size_t be
 }
 
 }  // namespace
+
+void sort_entries(StencilTable* stencils, std::span<const uint32_t> rank) {
+    struct Entry {
+        bool is_filling;  // Stands behind the others, with weights of 0.
+        uint32_t index;
+        float weight, u, v;
+    };
+    const bool has_tangents = !stencils->u_weights.empty();
+    std::vector<Entry> entries;
+    for (size_t vertex = 0; vertex < stencils->vertex_count(); ++vertex) {
+        const uint32_t begin = stencils->offsets[vertex], end = stencils->offsets[vertex + 1];
+        entries.clear();
+        for (uint32_t k = begin; k < end; ++k) {
+            const float u = has_tangents ? stencils->u_weights[k] : 0.0f, v = has_tangents ? stencils->v_weights[k] : 0.0f;
+            const bool is_filling = k > begin && stencils->indices[k] == stencils->indices[k - 1];
+            entries.push_back({is_filling, stencils->indices[k], stencils->weights[k], u, v});
+        }
+        std::stable_sort(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
+            return a.is_filling != b.is_filling ? b.is_filling : rank[a.index] < rank[b.index];
+        });
+        for (uint32_t k = begin; k < end; ++k) {
+            const Entry& entry = entries[k - begin];
+            stencils->indices[k] = entry.index;
+            stencils->weights[k] = entry.weight;
+            if (!has_tangents) continue;
+            stencils->u_weights[k] = entry.u;
+            stencils->v_weights[k] = entry.v;
+        }
+    }
+}
 
 void evaluate(const StencilTable& stencils, std::span<const glm::vec3> cage_positions, std::span<glm::vec3> positions,
               std::span<glm::vec3> normals) {

@@ -35,48 +35,6 @@ osd::Sdc::Options scheme_options(const Cage& cage) {
     return options;
 }
 
-std::unique_ptr<Refiner> refine(const Cage& cage, size_t vertex_count, int level) {
-    const std::vector<int> sizes(cage.face_sizes.begin(), cage.face_sizes.end());
-    const std::vector<int> vertices(cage.vertices.begin(), cage.vertices.end());
-    const std::vector<int> uv_corners(cage.uv_corners.begin(), cage.uv_corners.end());
-    const std::vector<int> corners(cage.corner_vertices.begin(), cage.corner_vertices.end());
-    std::vector<int> creases;
-    for (const auto& [a, b] : cage.crease_edges) creases.insert(creases.end(), {static_cast<int>(a), static_cast<int>(b)});
-    const auto clamped = [](std::vector<float> sharpness) {
-        for (float& s : sharpness) s = std::min(s, osd::Sdc::Crease::SHARPNESS_INFINITE);
-        return sharpness;
-    };
-    const std::vector<float> crease_sharpness = clamped(cage.crease_sharpness);
-    const std::vector<float> corner_sharpness = clamped(cage.corner_sharpness);
-
-    osd::Far::TopologyDescriptor::FVarChannel uv_channel;
-    uv_channel.numValues = static_cast<int>(cage.uvs.size());
-    uv_channel.valueIndices = uv_corners.data();
-    osd::Far::TopologyDescriptor mesh;
-    mesh.numVertices = static_cast<int>(vertex_count);
-    mesh.numFaces = static_cast<int>(sizes.size());
-    mesh.numVertsPerFace = sizes.data();
-    mesh.vertIndicesPerFace = vertices.data();
-    mesh.numCreases = static_cast<int>(crease_sharpness.size());
-    mesh.creaseVertexIndexPairs = creases.data();
-    mesh.creaseWeights = crease_sharpness.data();
-    mesh.numCorners = static_cast<int>(corners.size());
-    mesh.cornerVertexIndices = corners.data();
-    mesh.cornerWeights = corner_sharpness.data();
-    mesh.numFVarChannels = cage.uv_corners.empty() ? 0 : 1;
-    mesh.fvarChannels = &uv_channel;
-
-    using Factory = osd::Far::TopologyRefinerFactory<osd::Far::TopologyDescriptor>;
-    const bool is_loop = cage.scheme == SubdivisionScheme::kLoop;
-    const Factory::Options options(is_loop ? osd::Sdc::SCHEME_LOOP : osd::Sdc::SCHEME_CATMARK, scheme_options(cage));
-    std::unique_ptr<Refiner> refiner(Factory::Create(mesh, options));
-    if (!refiner) throw std::runtime_error("OpenSubdiv refuses the subdivision cage");
-    Refiner::UniformOptions uniform(level);
-    uniform.fullTopologyInLastLevel = true;
-    refiner->RefineUniform(uniform);
-    return refiner;
-}
-
 std::vector<glm::vec2> refine_uvs(const Cage& cage, const Refiner& refiner, bool is_limit) {
     struct Uv {
         glm::vec2 value;
@@ -175,9 +133,52 @@ int place_in_ring(const Level& level, int vertex, int face) {
 
 }  // namespace
 
+std::unique_ptr<Refiner> subdivide_detail::make_refiner(const Cage& cage, size_t vertex_count, int level) {
+    const std::vector<int> sizes(cage.face_sizes.begin(), cage.face_sizes.end());
+    const std::vector<int> vertices(cage.vertices.begin(), cage.vertices.end());
+    const std::vector<int> uv_corners(cage.uv_corners.begin(), cage.uv_corners.end());
+    const std::vector<int> corners(cage.corner_vertices.begin(), cage.corner_vertices.end());
+    std::vector<int> creases;
+    for (const auto& [a, b] : cage.crease_edges) creases.insert(creases.end(), {static_cast<int>(a), static_cast<int>(b)});
+    const auto clamped = [](std::vector<float> sharpness) {
+        for (float& s : sharpness) s = std::min(s, osd::Sdc::Crease::SHARPNESS_INFINITE);
+        return sharpness;
+    };
+    const std::vector<float> crease_sharpness = clamped(cage.crease_sharpness);
+    const std::vector<float> corner_sharpness = clamped(cage.corner_sharpness);
+
+    osd::Far::TopologyDescriptor::FVarChannel uv_channel;
+    uv_channel.numValues = static_cast<int>(cage.uvs.size());
+    uv_channel.valueIndices = uv_corners.data();
+    osd::Far::TopologyDescriptor mesh;
+    mesh.numVertices = static_cast<int>(vertex_count);
+    mesh.numFaces = static_cast<int>(sizes.size());
+    mesh.numVertsPerFace = sizes.data();
+    mesh.vertIndicesPerFace = vertices.data();
+    mesh.numCreases = static_cast<int>(crease_sharpness.size());
+    mesh.creaseVertexIndexPairs = creases.data();
+    mesh.creaseWeights = crease_sharpness.data();
+    mesh.numCorners = static_cast<int>(corners.size());
+    mesh.cornerVertexIndices = corners.data();
+    mesh.cornerWeights = corner_sharpness.data();
+    mesh.numFVarChannels = cage.uv_corners.empty() ? 0 : 1;
+    mesh.fvarChannels = &uv_channel;
+
+    using Factory = osd::Far::TopologyRefinerFactory<osd::Far::TopologyDescriptor>;
+    const bool is_loop = cage.scheme == SubdivisionScheme::kLoop;
+    const Factory::Options options(is_loop ? osd::Sdc::SCHEME_LOOP : osd::Sdc::SCHEME_CATMARK, scheme_options(cage));
+    std::unique_ptr<Refiner> refiner(Factory::Create(mesh, options));
+    if (!refiner) throw std::runtime_error("OpenSubdiv refuses the subdivision cage");
+    if (level == 0) return refiner;
+    Refiner::UniformOptions uniform(level);
+    uniform.fullTopologyInLastLevel = true;
+    refiner->RefineUniform(uniform);
+    return refiner;
+}
+
 Subdivision make_subdivision(const Cage& cage, size_t vertex_count, const SubdivisionOptions& options) {
     assert(check(cage, vertex_count, options.level).empty());
-    const std::unique_ptr<Refiner> refiner = refine(cage, vertex_count, options.level);
+    const std::unique_ptr<Refiner> refiner = subdivide_detail::make_refiner(cage, vertex_count, options.level);
     const Level& level = refiner->GetLevel(options.level);
     const std::vector<uint32_t> cage_faces = find_cage_faces(*refiner);
     const bool has_uvs = !cage.uv_corners.empty();

@@ -1,16 +1,23 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <span>
 
 #include <opensubdiv/far/stencilTable.h>
 #include <opensubdiv/far/topologyRefiner.h>
 #include <opensubdiv/sdc/crease.h>
 
+#include "engine/deform/cage.h"
 #include "engine/deform/stencils.h"
 
 // Part of subdivide: how vertices of the last level of refinement follow the cage. Not for others to include.
 namespace zoe::subdivide_detail {
+
+/// The cage as OpenSubdiv's topology.
+/// level   rounds of refinement; 0: the cage alone.
+/// Throws  std::runtime_error where OpenSubdiv refuses the cage.
+std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const Cage& cage, size_t vertex_count, int level);
 
 /// Consecutive faces around a vertex over which the surface is smooth: faces [first, first + face_count) in turn, between
 /// edges [first, first + face_count]. As OpenSubdiv's masks ask for it, a neighbourhood of its own.

@@ -127,7 +127,7 @@ bool update(const Scene& scene, const Shape& shape, const FrameState& state, con
     const Affine& matrix = world_from_local(shape, state);
     const bool is_kept = instance->blas == shape.blas && instance->node == shape.node &&
                          is_same(instance->world_from_local, matrix) && is_same(instance->bounds_local, bounds_local);
-    instance->mesh = &scene[shape.mesh];
+    instance->mesh = shape.shown;
     instance->positions = shape.positions;
     instance->normals = shape.normals;
     instance->motion = shape.motion.motion;

@@ -21,7 +21,7 @@ struct Instance {
     Motion motion = Motion::kStatic;
     Affine world_from_local;
     Aabb bounds_local;                     ///< Around the whole BLAS.
-    const Mesh* mesh = nullptr;            ///< Topology, texture coordinates, colours, materials.
+    const Mesh* mesh = nullptr;            ///< Topology, texture coordinates, colours, materials of what is shown.
     std::span<const glm::vec3> positions;  ///< [vertex_count] this frame's, local space.
     std::span<const glm::vec3> normals;    ///< [vertex_count] or empty; not normalised, may be zero.
 };

@@ -27,6 +27,12 @@ bool is_skinned(const Scene& scene, const Node& node) {
            scene[node.mesh].binding.influence_count > 0;
 }
 
+bool has_written_cage(const Scene& scene, const Node& node) {
+    const auto is_written = [&](MeshId mesh) { return scene[mesh].surface && scene[mesh].surface->version > 0; };
+    if (node.sequence) return std::any_of(node.sequence->meshes.begin(), node.sequence->meshes.end(), is_written);
+    return node.mesh != kNone<MeshId> && is_written(node.mesh);
+}
+
 bool is_arbitrary(const Scene& scene, const Node& node) {
     if (node.sequence && node.sequence->meshes.size() > 1) return true;
     const MeshId mesh = node.sequence && !node.sequence->meshes.empty() ? node.sequence->meshes[0] : node.mesh;
@@ -69,6 +75,7 @@ std::vector<NodeMotion> classify(const Scene& scene) {
         }
         if (node.mesh != kNone<MeshId> && !node.sequence && !scene[node.mesh].targets.empty() && animated.weights[k])
             is_deforming = true;
+        if (has_written_cage(scene, node)) is_deforming = true;
         motion.content = is_arbitrary(scene, node) ? Motion::kArbitrary
                          : is_deforming            ? Motion::kDeforming
                          : is_moving               ? Motion::kRigid

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/bvh/build_poses.h"
+#include "engine/frame/frame.h"
 #include "engine/frame/frame_state.h"
 #include "engine/scene/scene.h"
 
@@ -51,18 +52,26 @@ void add_boxes(const Shape& shape, std::span<const glm::uvec3> corners, std::vec
 
 }  // namespace
 
-void build_clip_trees(const Scene& scene, FrameState* state) {
+void build_clip_trees(Scene& scene, FrameState* state, FrameStats* stats) {
     const double duration_s = longest_s(scene);
     const std::vector<const Shape*> shapes = choose_shapes(scene, *state);
-    size_t triangle_count = 0;
-    for (const Shape* shape : shapes) triangle_count += scene[scene[shape->node].mesh].corners.size();
-    const uint32_t count = pose_count(scene.clip_poses, triangle_count);
-    if (!(duration_s > 0.0) || triangle_count == 0 || count < 2) return;
+    const bool is_level_chosen =
+        std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return mesh.surface && mesh.surface->pixels > 0.0f; });
+    if (!(duration_s > 0.0) || shapes.empty() || scene.clip_poses < 2 || is_level_chosen) return;
     std::vector<std::vector<Aabb>> boxes(shapes.size());
+    FrameStats of_poses;
+    uint32_t count = scene.clip_poses;
     for (uint32_t pose = 0; pose < count; ++pose) {
         animate(scene, duration_s * pose / count, state);
-        deform(scene, state);
-        for (size_t k = 0; k < shapes.size(); ++k) add_boxes(*shapes[k], scene[shapes[k]->mesh].corners, &boxes[k]);
+        deform(scene, state, &of_poses);
+        if (pose == 0) {
+            stats->subdivided += of_poses.subdivided;
+            size_t triangle_count = 0;
+            for (const Shape* shape : shapes) triangle_count += shape->shown->corners.size();
+            count = pose_count(count, triangle_count);
+            if (count < 2) return;
+        }
+        for (size_t k = 0; k < shapes.size(); ++k) add_boxes(*shapes[k], shapes[k]->shown->corners, &boxes[k]);
     }
     state->clip_trees.resize(scene.meshes.size());
     for (size_t k = 0; k < shapes.size(); ++k)

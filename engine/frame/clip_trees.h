@@ -4,12 +4,14 @@ namespace zoe {
 
 class Scene;
 struct FrameState;
+struct FrameStats;
 
 /// Builds trees for deforming nodes over poses of the clips that play, spread evenly: what comes is known, and a tree that
 /// serves all of it needs fewer rebuilds than one of its first pose. One for each mesh that deforming nodes show, over the
-/// first of them; none where no clip plays. A tree changes what rays cost, never what they hit.
-/// state      prepared; its `clip_trees` are filled. Shapes are left in some pose.
-/// Cost       bounded: fewer poses where triangles are many, and none where they are very many.
-void build_clip_trees(const Scene& scene, FrameState* state);
+/// first of them; none where no clip plays, or where surfaces are as fine as their pixels show: the triangles change then. A
+/// tree changes what rays cost, never what they hit. state      prepared; its `clip_trees` are filled. Shapes are left in
+/// some pose. stats      surfaces that were refined on the way are added. Cost       bounded: fewer poses where triangles
+/// are many, and none where they are very many.
+void build_clip_trees(Scene& scene, FrameState* state, FrameStats* stats);
 
 }  // namespace zoe

@@ -66,6 +66,11 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
     shape->mesh = mesh_id;
     shape->mesh_version = mesh.version;
     shape->is_deformed = false;
+    shape->shown = &mesh;
+    if (mesh.surface && shape->cage_version != mesh.surface->version) {
+        shape->cage_version = mesh.surface->version;
+        shape->is_changed = true;
+    }
 
     const bool is_morphed = !mesh.targets.empty() && !node.sequence;
     if (!is_morphed && !shape->has_skin) {
@@ -102,11 +107,12 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
 
 }  // namespace
 
-void deform(const Scene& scene, FrameState* state, FrameStats* stats) {
+void deform(Scene& scene, FrameState* state, FrameStats* stats) {
     parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) deform_shape(scene, *state, &state->shapes[k]);
     });
     for (const Shape& shape : state->shapes) stats->deformed += shape.is_deformed ? 1 : 0;
+    refine(scene, state, stats);
 }
 
 }  // namespace zoe

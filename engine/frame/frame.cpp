@@ -32,7 +32,7 @@ const FrameState& made_state(const Scene& scene) {
     return *scene.frame;
 }
 
-FrameState& state_of(Scene& scene) {
+FrameState& state_of(Scene& scene, FrameStats* stats) {
     if (scene.frame && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
         if (const std::string problem = check(scene); !problem.empty()) {
@@ -40,7 +40,7 @@ FrameState& state_of(Scene& scene) {
         }
         auto state = std::make_shared<FrameState>();
         prepare(scene, state.get());
-        build_clip_trees(scene, state.get());
+        build_clip_trees(scene, state.get(), stats);
         scene.frame = std::move(state);
     }
     return *scene.frame;
@@ -52,7 +52,7 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     if (!std::isfinite(time_s)) throw std::invalid_argument("advance: the time is not finite");
     FrameStats ignored;
     FrameStats& s = stats ? *stats : ignored;
-    FrameState& state = state_of(scene);
+    FrameState& state = state_of(scene, &s);
     timed(&s.animate_ms, [&] { animate(scene, time_s, &state); });
     timed(&s.deform_ms, [&] { deform(scene, &state, &s); });
     timed(&s.update_blas_ms, [&] { update_blas(scene, &state, &s); });

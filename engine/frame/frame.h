@@ -13,6 +13,8 @@ struct FrameStats {
     double animate_ms = 0, deform_ms = 0, update_blas_ms = 0, build_tlas_ms = 0, trace_ms = 0;
     uint32_t deformed = 0;  ///< Nodes whose vertices were worked out: their joints or weights changed.
     uint32_t kept = 0, refitted = 0, rebuilt = 0;  ///< Nodes, by what was done to their BLAS.
+    uint32_t subdivided = 0;                       ///< Surfaces that were refined to a level that they had not been at.
+    uint32_t refined = 0;                          ///< Nodes whose subdivision surface was evaluated.
     uint32_t loaded = 0, stored = 0;               ///< Trees of rebuilt nodes, read from the scene's cache or added to it.
     uint32_t tlas_builds = 0;                      ///< Frames that built the top level; others kept it.
     uint64_t rays = 0, hits = 0, hits_hash = 0;

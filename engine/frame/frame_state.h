@@ -1,5 +1,7 @@
 #pragma once
 
+#include <compare>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "engine/frame/build_tlas.h"
 #include "engine/frame/classify.h"
 #include "engine/frame/open_instances.h"
+#include "engine/frame/refine.h"
 
 namespace zoe {
 
@@ -22,6 +25,13 @@ struct SkinPath {
     std::vector<uint32_t> parents;        ///< [nodes] position of each one's parent in `nodes`.
     std::vector<uint32_t> joints;         ///< [joint_count] position in `nodes`; kNoPathNode for joints that move no vertex.
     std::vector<Affine> frame_from_node;  ///< [nodes] scratch.
+};
+
+/// The surface of a mesh at a level of subdivision.
+struct SurfaceLevel {
+    MeshId mesh;
+    int level;
+    auto operator<=>(const SurfaceLevel&) const = default;
 };
 
 /// What a node that shows a mesh keeps from frame to frame.
@@ -41,7 +51,16 @@ struct Shape {
 
     std::vector<glm::vec3> morphed_positions, morphed_normals;  ///< Of what is both morphed and skinned.
     std::vector<glm::vec3> deformed_positions, deformed_normals;
-    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, or the deformed.
+    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, the deformed, or the surface's.
+
+    const Mesh* shown = nullptr;  ///< Whose triangles are shown: the mesh, or its surface at a level.
+    int level = 0;                ///< Of subdivision; 0: the mesh has no surface.
+    Seen seen;                    ///< From where, when the level was chosen by its pixels.
+    bool is_capped = false;       ///< It would have had to be finer.
+    const Refined* refined = nullptr;
+    int refined_level = 0;  ///< Of `refined`.
+    std::vector<glm::vec3> refined_positions, refined_normals;
+    uint64_t cage_version = 0;
 
     bool is_deformed = false;         ///< Its vertices were worked out in this frame.
     bool is_changed = true;           ///< Its vertices are other than in the last frame.
@@ -104,12 +123,14 @@ struct FrameState {
     std::vector<NodeMotion> motions;        ///< [node_count]
     std::vector<Trs> locals;                ///< [node_count] this frame's, where the node has no matrix.
     std::vector<DAffine> scene_from_nodes;  ///< [node_count] this frame's, before the scene's origin is taken off.
-    std::vector<Affine> local_matrices, world_matrices;    ///< [node_count] this frame's.
-    std::vector<std::vector<float>> weights;               ///< [node_count] this frame's; empty where nothing is morphed.
-    double time_s = 0.0;                                   ///< Of this frame.
-    std::vector<float> sampled;                            ///< Scratch.
-    std::vector<Shape> shapes;                             ///< In order of their nodes.
-    std::vector<MorphReach> morph_reaches;                 ///< [mesh_count] of meshes with targets.
+    std::vector<Affine> local_matrices, world_matrices;  ///< [node_count] this frame's.
+    std::vector<std::vector<float>> weights;             ///< [node_count] this frame's; empty where nothing is morphed.
+    double time_s = 0.0;                                 ///< Of this frame.
+    std::vector<float> sampled;                          ///< Scratch.
+    std::vector<Shape> shapes;                           ///< In order of their nodes.
+    std::vector<MorphReach> morph_reaches;               ///< [mesh_count] of meshes with targets.
+    std::map<SurfaceLevel, std::unique_ptr<Refined>> refined;
+    std::map<MeshId, LevelChoice> level_choices;           ///< Of meshes whose surfaces have `pixels`.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
@@ -129,7 +150,7 @@ size_t count_written_meshes(const Scene& scene);
 /// The stages, in order. Each reads what the ones before it wrote.
 void animate(const Scene& scene, double time_s, FrameState* state);
 struct FrameStats;
-void deform(const Scene& scene, FrameState* state, FrameStats* stats);
+void deform(Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
 

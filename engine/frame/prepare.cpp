@@ -49,7 +49,8 @@ uint64_t count_still_triangles(const Scene& scene, const FrameState& state) {
     for (const Shape& shape : state.shapes) {
         const MeshId mesh = scene[shape.node].mesh;
         if (shape.motion.motion > Motion::kRigid || mesh == kNone<MeshId> || !counted.insert(shape.blas).second) continue;
-        count += scene[mesh].corners.size();
+        const std::optional<SubdivisionSurface>& surface = scene[mesh].surface;
+        count += surface ? count_triangles(surface->cage, surface->options.level) : scene[mesh].corners.size();
     }
     return count;
 }
@@ -69,6 +70,10 @@ void prepare(Scene& scene, FrameState* state) {
     state->shared_blases.resize(scene.meshes.size());
     state->is_shared_blas_built.resize(scene.meshes.size());
     state->written_mesh_count = count_written_meshes(scene);
+    for (uint32_t k = 0; k < scene.meshes.size(); ++k) {
+        const Mesh& mesh = scene.meshes[k];
+        if (mesh.surface && mesh.surface->pixels > 0.0f) state->level_choices[MeshId{k}] = make_level_choice(mesh);
+    }
     warn_of_refused_motion(scene, state->motions);
 
     std::vector<uint32_t> rank(node_count), position(node_count, kNoPathNode);
@@ -96,15 +101,17 @@ void prepare(Scene& scene, FrameState* state) {
     for (Shape& shape : state->shapes) {
         const Node& node = scene[shape.node];
         const bool is_undeformed = !node.sequence && !shape.has_skin && scene[node.mesh].targets.empty();
-        const bool is_shared = is_undeformed && shape.motion.motion <= Motion::kRigid;
+        const bool has_one_level = node.sequence || !scene[node.mesh].surface || scene[node.mesh].surface->pixels == 0.0f;
+        const bool is_shared = is_undeformed && has_one_level && shape.motion.motion <= Motion::kRigid;
         shape.blas = is_shared ? &state->shared_blases[index(node.mesh)] : &shape.own_blas;
     }
     state->still_builder = choose_builder(count_still_triangles(scene, *state), scene.tree_build);
 }
 
 size_t count_written_meshes(const Scene& scene) {
-    return static_cast<size_t>(
-        std::count_if(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.version > 0; }));
+    return static_cast<size_t>(std::count_if(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
+        return mesh.version > 0 || (mesh.surface && mesh.surface->version > 0);
+    }));
 }
 
 }  // namespace zoe

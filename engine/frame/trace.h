@@ -14,7 +14,7 @@ struct Hit {
     float t = std::numeric_limits<float>::infinity();  ///< In lengths of the ray's direction.
     float u = 0.0f, v = 0.0f;
     NodeId node = kNone<NodeId>;
-    uint32_t primitive = 0xffffffffu;  ///< Triangle of the node's mesh.
+    uint32_t primitive = 0xffffffffu;  ///< Triangle of what the node shows: of `tlas[node].mesh`.
 
     explicit operator bool() const { return node != kNone<NodeId>; }
     friend bool operator==(const Hit&, const Hit&) = default;

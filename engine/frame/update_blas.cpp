@@ -76,13 +76,13 @@ void pose(const Bvh& tree, std::span<const glm::vec3> positions, std::span<const
     refit_blas(positions, corners, blas);
 }
 
-void watch_anew(const Scene& scene, Shape* shape) {
-    const std::vector<glm::uvec3>& corners = scene[shape->mesh].corners;
-    note_build(read_tree(*shape->blas, shape->positions, corners), shape->blas->triangle_count, &shape->watch);
+void watch_anew(Shape* shape) {
+    const TreeReading reading = read_tree(*shape->blas, shape->positions, shape->shown->corners);
+    note_build(reading, shape->blas->triangle_count, &shape->watch);
 }
 
 void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
-    const Mesh& mesh = scene[shape->mesh];
+    const Mesh& mesh = *shape->shown;
     if (action_for(*shape, state) == Action::kRefit) {
         const bool is_other = refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
         if (is_other) note_refit(read_tree(*shape->blas, shape->positions, mesh.corners), &shape->watch);
@@ -98,7 +98,7 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
         }
         if (method.is_refitted) {
             reserve_builds(shape->blas);
-            watch_anew(scene, shape);
+            watch_anew(shape);
         }
     }
     shape->has_blas = true;
@@ -116,12 +116,12 @@ double rays_into(const Shape& shape, const FrameState& state, double frame_rays)
 }
 
 // Takes the memory of rebuilds where trees are new that may be rebuilt: then their frames take none.
-void reserve_rebuilds(const Scene& scene, BlasWork* work) {
+void reserve_rebuilds(BlasWork* work) {
     const auto triangle_count = [](const Shape* shape) { return shape->blas->triangle_count; };
     const Shape* largest = *std::ranges::max_element(work->refitted, {}, triangle_count);
     work->scratches.resize(std::min(static_cast<size_t>(thread_count()), work->refitted.size()));
     parallel_for(0, work->scratches.size(), 1, [&](size_t k, size_t) {
-        reserve_builds(largest->positions, scene[largest->mesh].corners, &work->scratches[k]);
+        reserve_builds(largest->positions, largest->shown->corners, &work->scratches[k]);
     });
     work->watches.reserve(work->refitted.size());
     work->worn.reserve(work->refitted.size());
@@ -141,9 +141,8 @@ void rebuild_worn(const Scene& scene, FrameState* state, FrameStats* stats) {
     parallel_for(0, lane_count, 1, [&](size_t lane, size_t) {
         for (size_t k = lane; k < work.worn.size(); k += lane_count) {
             Shape* shape = work.refitted[work.worn[k]];
-            build_blas(shape->positions, scene[shape->mesh].corners, BlasBuilder::kBinned, shape->blas,
-                       &work.scratches[lane]);
-            watch_anew(scene, shape);
+            build_blas(shape->positions, shape->shown->corners, BlasBuilder::kBinned, shape->blas, &work.scratches[lane]);
+            watch_anew(shape);
         }
     });
     for (const uint32_t k : work.worn) {
@@ -190,7 +189,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     stats->loaded += counts.loaded;
     stats->stored += counts.stored;
     if (scene.tree_cache) warn_of_cache(scene);
-    if (is_any_new) reserve_rebuilds(scene, &state->blas_work);
+    if (is_any_new) reserve_rebuilds(&state->blas_work);
     std::vector<Bvh>().swap(state->clip_trees);  // All have theirs now.
     rebuild_worn(scene, state, stats);
     for (const Shape* shape : work) {

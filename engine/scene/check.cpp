@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/scene/check_surface.h"
 #include "engine/scene/scene.h"
 
 namespace zoe {
@@ -54,6 +55,9 @@ std::string check_mesh(const Mesh& mesh, const Scene& scene) {
         return "its joints or weights are not influence_count a vertex";
     }
     if (!all_finite(binding.weights)) return "a joint weight is not finite";
+    if (mesh.surface) {
+        if (std::string broken = check_surface(mesh); !broken.empty()) return broken;
+    }
     return check_ranges(mesh, scene.materials.size());
 }
 
@@ -189,6 +193,7 @@ std::string check(const Scene& scene) {
         for (const uint16_t joint : scene.meshes[i].binding.joints) joint_end[i] = std::max(joint_end[i], joint + 1u);
     }
     broken = check_all(scene.nodes, "node", [&](const auto& n) { return check_node(n, scene, joint_end); });
+    if (broken.empty()) broken = check_surface_size(scene);
     if (broken.empty()) broken = check_all(scene.clips, "clip", [&](const auto& c) { return check_clip(c, scene); });
     if (!broken.empty()) return broken;
     for (const ClipId clip : scene.playback.clips) {

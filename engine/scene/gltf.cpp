@@ -6,6 +6,7 @@
 #include "engine/scene/gltf_mesh.h"
 #include "engine/scene/gltf_node.h"
 #include "engine/scene/gltf_skin.h"
+#include "engine/scene/gltf_surface.h"
 #include "engine/scene/gltf_view.h"
 
 namespace zoe {
@@ -19,6 +20,7 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     for (size_t i = 0; i < file.model.meshes.size(); ++i) {
         scene.meshes.push_back(read_mesh(file, i, scene));
         normalize_weights(scene.meshes.back(), scene);
+        read_surface(file, i, scene.meshes.back(), scene);
     }
     scene.skins = read_skins(file, scene);
     scene.cameras = read_cameras(file, scene);

@@ -107,9 +107,10 @@ private:
                 return true;
             case SchemaKind::kExtras:  // Anyone's: what is not ours is no error, whatever it is.
                 if (!value.is_object()) return false;
-                if (value.contains("mesh_sequence") && !value["mesh_sequence"].is_object()) {
-                    scene_.warn("extras.mesh_sequence is not an object: ignored");
-                    value.erase("mesh_sequence");
+                for (const char* const ours : {"mesh_sequence", "subdivision"}) {
+                    if (!value.contains(ours) || value[ours].is_object()) continue;
+                    scene_.warn(fmt::format("extras.{} is not an object: ignored", ours));
+                    value.erase(ours);
                 }
                 check_members(value, member.members, false);
                 return true;
@@ -208,7 +209,8 @@ void check_schema(json& root, const std::string& file, Scene& scene) {
 bool is_supported_extension(const std::string& name) {
     static const char* const kSupported[] = {
         "KHR_lights_punctual", "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
-        "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_texture_transform"};
+        "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_texture_transform",
+        "FB_ngon_encoding"};
     return std::find(std::begin(kSupported), std::end(kSupported), name) != std::end(kSupported);
 }
 

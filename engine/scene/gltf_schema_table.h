@@ -3,6 +3,8 @@
 #include <limits>
 #include <span>
 
+#include "engine/deform/cage.h"
+
 namespace zoe {
 
 enum class SchemaKind {
@@ -116,10 +118,23 @@ inline constexpr SchemaMember kAccessor[] = {
     object("sparse", kSparse),
 };
 
-inline constexpr SchemaMember kPrimitive[] = {required(index_map("attributes")), index("indices", "accessors"),
-                                              index("material", "materials"), integer("mode", 0, 6), index_maps("targets")};
+inline constexpr SchemaMember kPrimitiveExtensions[] = {object("FB_ngon_encoding", {})};
+inline constexpr SchemaMember kPrimitive[] = {required(index_map("attributes")),
+                                              index("indices", "accessors"),
+                                              index("material", "materials"),
+                                              integer("mode", 0, 6),
+                                              index_maps("targets"),
+                                              extensions(kPrimitiveExtensions)};
+inline constexpr SchemaMember kSubdivision[] = {one_of("scheme", "catmull-clark loop"),
+                                                integer("level", 1, kMaxSubdivisionLevel),
+                                                number("pixels"),
+                                                one_of("boundary", "none edge edge-and-corner"),
+                                                {"creases", SchemaKind::kAny},
+                                                {"corners", SchemaKind::kAny}};
+inline constexpr SchemaMember kMeshExtras[] = {object("subdivision", kSubdivision)};
 inline constexpr SchemaMember kMesh[] = {string("name"), required(objects("primitives", kPrimitive, kMany)),
-                                         numbers("weights", 0, kSome)};
+                                         numbers("weights", 0, kSome),
+                                         SchemaMember{"extras", SchemaKind::kExtras, "", kMeshExtras}};
 
 inline constexpr SchemaMember kInstancing[] = {required(index_map("attributes"))};
 inline constexpr SchemaMember kNodeLight[] = {required(index("light", "lights"))};

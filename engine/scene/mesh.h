@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 
 #include "engine/deform/morph.h"
 #include "engine/deform/skin.h"
+#include "engine/deform/subdivide.h"
 #include "engine/scene/ids.h"
 
 namespace zoe {
@@ -18,6 +20,20 @@ namespace zoe {
 struct MaterialRange {
     uint32_t begin = 0, end = 0;
     MaterialId material = kNone<MaterialId>;  ///< None: glTF's default material.
+};
+
+/// Makes a mesh the cage of a subdivision surface. The mesh's own arrays are the cage's: its skin, its morph targets and
+/// `Scene::write_cage` move the cage, and what is shown follows. What is shown is the frame's: `tlas[node].mesh`.
+struct SubdivisionSurface {
+    Cage cage;  ///< Over the mesh's positions.
+    SubdivisionOptions options;
+    /// Above 0: each node that shows the mesh has the coarsest level whose triangles are at most so many pixels from the
+    /// limit surface as the scene's viewpoint sees them; `options.level` where the scene has none.
+    float pixels = 0.0f;
+    int max_level = 5;  ///< The finest that `pixels` may choose; a warning where it would need a finer one.
+
+    uint64_t version = 0;                   ///< Counts what `Scene::write_cage` did.
+    std::vector<glm::vec3> rest_positions;  ///< The cage's before the first write; empty until then.
 };
 
 /// An indexed triangle mesh in its bind pose, local space, metres. All of a glTF mesh's primitives, one after another.
@@ -33,6 +49,13 @@ struct Mesh {
     std::vector<float> default_weights;  ///< [target_count]
     SkinBinding binding;
     uint64_t version = 0;  ///< Counts what `Scene::write_mesh` did; above 0: written by the user.
+    /// None: what is shown is the mesh itself. Else it has no normals, uvs or colours of its own, and its triangles are
+    /// `split_faces(surface->cage)`.
+    std::optional<SubdivisionSurface> surface;
 };
+
+/// A mesh that shows a subdivision surface.
+/// positions  [vertex_count] of the cage.
+Mesh make_surface(std::vector<glm::vec3> positions, SubdivisionSurface surface);
 
 }  // namespace zoe

@@ -32,6 +32,14 @@ std::optional<Motion> motion_from_name(std::string_view name) {
     return static_cast<Motion>(found - std::begin(kMotionNames));
 }
 
+Mesh make_surface(std::vector<glm::vec3> positions, SubdivisionSurface surface) {
+    Mesh mesh;
+    mesh.positions = std::move(positions);
+    mesh.corners = split_faces(surface.cage);
+    mesh.surface = std::move(surface);
+    return mesh;
+}
+
 NodeId Scene::add(Node node) {
     nodes.push_back(std::move(node));
     return NodeId(nodes.size() - 1);
@@ -83,7 +91,26 @@ void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::spa
         mesh.default_weights.clear();
         mesh.binding = {};
     }
+    if (mesh.surface) {
+        warn(fmt::format("mesh {} '{}': its triangles are written by the user; its subdivision surface is dropped",
+                         index(id), mesh.name));
+        mesh.surface.reset();
+    }
     ++mesh.version;
+}
+
+void Scene::write_cage(MeshId id, std::span<const glm::vec3> positions) {
+    const std::string place = fmt::format("mesh {}", index(id));
+    if (index(id) >= meshes.size()) throw SceneError(file, place, "there is no such mesh");
+    Mesh& mesh = (*this)[id];
+    if (!mesh.surface) throw SceneError(file, place, "it is no cage of a subdivision surface");
+    if (positions.size() != mesh.positions.size()) {
+        throw SceneError(file, place,
+                         fmt::format("{} positions for a cage of {} vertices", positions.size(), mesh.positions.size()));
+    }
+    if (mesh.surface->version == 0) mesh.surface->rest_positions = mesh.positions;
+    std::copy(positions.begin(), positions.end(), mesh.positions.begin());
+    ++mesh.surface->version;
 }
 
 std::vector<NodeId> Scene::parents_first() const {

@@ -100,6 +100,17 @@ struct Playback {
     bool is_looping = true;
 };
 
+/// Where pictures are taken from, for surfaces that are subdivided as finely as their pixels show. Perspective.
+struct Viewpoint {
+    NodeId node = kNone<NodeId>;  ///< A camera's node, with which it moves; or none:
+    glm::vec3 eye_world{0.0f};    ///< a place, in metres from the scene's origin.
+    float yfov = 0.8f;            ///< Radians, whole angle, vertical.
+    int height_pixels = 720;      ///< Of the picture.
+    /// A node goes to a coarser level only where that is better than asked for by this share, so that it does not go back
+    /// and forth. Then its level may depend on frames before, within what is asked for; at 0 it depends on the frame alone.
+    float hysteresis = 0.25f;
+};
+
 struct FrameState;  // engine/frame: what `advance` keeps between frames.
 class TreeCache;    // engine/bvh/cache.h
 
@@ -125,6 +136,7 @@ public:
     /// it, rays and hits are as exact as if nodes had been placed there, however far out they are; vertices that are far
     /// out in their own mesh stay as coarse as floats are there. Looked at by every `advance`.
     glm::dvec3 origin{0.0};
+    std::optional<Viewpoint> viewpoint;  ///< Looked at by every `advance`, for surfaces with `pixels`.
     /// Where trees of static and rigid nodes are kept from run to run; null, as it is unless set: nowhere.
     std::shared_ptr<TreeCache> tree_cache;
     AutoConfig tree_build;     ///< How much building all those trees may cost, looked at when the first frame is made.
@@ -151,6 +163,11 @@ public:
     /// Throws     SceneError where a corner is not below the vertex count.
     void write_mesh(MeshId mesh, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                     std::span<const glm::uvec3> corners);
+
+    /// Moves the cage of a mesh with a surface; its topology, skin and morph targets stay. Nodes that show it become
+    /// deforming. positions  [vertex_count] in place of the mesh's own. Throws     SceneError where the mesh has no surface
+    /// or another vertex count.
+    void write_cage(MeshId mesh, std::span<const glm::vec3> positions);
 
     /// Tells the engine that nodes, clips, skins or materials were changed by hand: the frame state starts anew.
     void touch() { frame.reset(); }

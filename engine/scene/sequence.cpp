@@ -194,6 +194,9 @@ Mesh read_frame(const fs::path& file, Scene& scene) {
         for (uint64_t i = 0; i < count; ++i) scene.warn(text);
     }
     if (!frame.cameras.empty() || !frame.lights.empty()) scene.warn("cameras and lights of a mesh sequence: not used");
+    for (const Mesh& mesh : frame.meshes) {
+        if (mesh.surface) scene.warn("subdivision surfaces in the files of a mesh sequence: their cages are shown");
+    }
     if (!frame.clips.empty()) scene.warn("animations in the files of a mesh sequence: not played");
     const std::vector<MaterialId> materials = merge_materials(scene, frame);
     const std::vector<Affine> world = world_matrices(frame);

@@ -82,6 +82,8 @@ TEST(ContentList, SizesMeanWhatTheListSays) {
     expect_about(count_shown_triangles(make_content("static", 5000).scene), 5000, "static");
     EXPECT_EQ(count_shown_triangles(make_content("rigid", 7).scene), 7000u);
     EXPECT_EQ(count_shown_triangles(make_content("deforming", 20).scene), 2u * 20 * 20);
+    EXPECT_EQ(make_content("dancers", 3).scene.skins.size(), 3u);
+    EXPECT_EQ(make_content("surface", 20).scene.meshes[0].surface->cage.face_sizes.size(), 20u * 20);
     EXPECT_EQ(count_shown_triangles(make_content("arbitrary", 500).scene), 500u);
     EXPECT_EQ(make_content("skinned", 9).scene.skins.size(), 9u);
     EXPECT_EQ(count_shown_triangles(make_content("instances", 30).scene), 80u * 30);

@@ -53,8 +53,8 @@ TEST_P(SteadyState, AllocatesNothingWhereTreesAreRebuiltForTheFirstTime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Content, SteadyState,
-                         testing::Values("static", "rigid", "deforming", "skinned", "arbitrary", "topology", "instances",
-                                         "default"));
+                         testing::Values("static", "rigid", "deforming", "skinned", "dancers", "surface", "arbitrary",
+                                         "topology", "instances", "default"));
 
 }  // namespace
 }  // namespace zoe

@@ -1,0 +1,145 @@
+#include "engine/frame/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "engine/frame/frame.h"
+#include "engine/frame/frame_state.h"
+#include "engine/math/parallel.h"
+
+namespace zoe {
+
+namespace {
+
+// Its cage stands as it does at rest: it shows the surface that was evaluated when its cage was refined.
+bool is_at_rest(const Scene& scene, const Shape& shape) {
+    const Mesh& mesh = scene[shape.mesh];
+    const bool is_morphed = !mesh.targets.empty() && !scene[shape.node].sequence;
+    return !shape.has_skin && !is_morphed && mesh.surface->version == 0;
+}
+
+const Affine& world_from_local(const Shape& shape, const FrameState& state) {
+    static const Affine identity;
+    return shape.motion.frame == kNone<NodeId> ? identity : state.world_matrices[index(shape.motion.frame)];
+}
+
+// Of the shape's surface in this frame. What it depends on did not change where the cage and the view are as they were.
+int level_of(const Scene& scene, const FrameState& state, Shape* shape) {
+    const SubdivisionSurface& surface = *scene[shape->mesh].surface;
+    if (!(surface.pixels > 0.0f) || !scene.viewpoint) {
+        shape->is_capped = false;
+        return surface.options.level;
+    }
+    const Viewpoint& viewpoint = *scene.viewpoint;
+    const bool has_node = viewpoint.node != kNone<NodeId>;
+    const float tangent = std::tan(0.5f * viewpoint.yfov);
+    const Seen seen{.world_from_local = world_from_local(*shape, state),
+                    .eye_world = has_node ? state.world_matrices[index(viewpoint.node)].translation : viewpoint.eye_world,
+                    .pixels_at_1m = 0.5f * static_cast<float>(viewpoint.height_pixels) / tangent};
+    const bool is_same_mesh = shape->refined && !shape->is_topology_changed;
+    if (is_same_mesh && !shape->is_changed && seen == shape->seen) return shape->level;
+    shape->seen = seen;
+    return choose_level(state.level_choices.at(shape->mesh), shape->positions, seen, surface.pixels, viewpoint.hysteresis,
+                        is_same_mesh ? shape->level : 0, &shape->is_capped);
+}
+
+void choose_levels(Scene& scene, FrameState* state) {
+    if (scene.viewpoint && scene.viewpoint->node != kNone<NodeId> && index(scene.viewpoint->node) >= scene.nodes.size()) {
+        throw SceneError(scene.file, "viewpoint", "there is no node " + std::to_string(index(scene.viewpoint->node)));
+    }
+    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            Shape& shape = state->shapes[k];
+            shape.is_capped = shape.is_capped && scene[shape.mesh].surface;
+            const int level = scene[shape.mesh].surface ? level_of(scene, *state, &shape) : 0;
+            if (level == 0) shape.refined = nullptr;
+            shape.level = level;
+        }
+    });
+    for (const Shape& shape : state->shapes) {
+        if (!shape.is_capped) continue;
+        scene.warn("node " + std::to_string(index(shape.node)) + " '" + scene[shape.node].name +
+                   "': its subdivision surface would have to be finer than its finest level for the pixels asked for");
+    }
+}
+
+// Levels that nodes have gone away from: their stencils are large.
+void drop_unused(FrameState* state) {
+    if (state->level_choices.empty()) return;
+    std::erase_if(state->refined, [&](const auto& entry) {
+        if (!state->level_choices.contains(entry.first.mesh)) return false;
+        return std::none_of(state->shapes.begin(), state->shapes.end(), [&](const Shape& shape) {
+            return shape.mesh == entry.first.mesh && shape.level == entry.first.level;
+        });
+    });
+}
+
+// Refines what is not there yet, all of it at once.
+void make_missing(const Scene& scene, FrameState* state, FrameStats* stats) {
+    std::vector<std::pair<const SurfaceLevel, std::unique_ptr<Refined>>*> missing;
+    for (const Shape& shape : state->shapes) {
+        if (shape.level == 0) continue;
+        const auto [found, is_new] = state->refined.try_emplace({shape.mesh, shape.level});
+        if (is_new) missing.push_back(&*found);
+    }
+    stats->subdivided += static_cast<uint32_t>(missing.size());
+    try {
+        parallel_for(0, missing.size(), 1, [&](size_t begin, size_t end) {
+            for (size_t k = begin; k < end; ++k) {
+                const SurfaceLevel& of = missing[k]->first;
+                missing[k]->second = std::make_unique<Refined>(make_refined(scene[of.mesh], of.level));
+            }
+        });
+    } catch (const std::runtime_error& error) {
+        std::erase_if(state->refined, [](const auto& entry) { return !entry.second; });
+        throw SceneError(scene.file.empty() ? "scene" : scene.file, "", error.what());
+    }
+}
+
+void show(const Scene& scene, FrameState* state, FrameStats* stats) {
+    for (Shape& shape : state->shapes) {
+        if (shape.level == 0) continue;
+        const Refined* refined = state->refined.at({shape.mesh, shape.level}).get();
+        if (refined != shape.refined || shape.level != shape.refined_level)
+            shape.is_topology_changed = shape.is_changed = true;
+        shape.refined = refined;
+        shape.refined_level = shape.level;
+        shape.shown = &refined->mesh;
+        stats->refined += shape.is_changed && !is_at_rest(scene, shape);
+    }
+}
+
+void evaluate_shape(const Scene& scene, Shape* shape) {
+    if (is_at_rest(scene, *shape)) {
+        shape->positions = shape->refined->mesh.positions;
+        shape->normals = shape->refined->mesh.normals;
+        return;
+    }
+    if (shape->is_changed) {
+        shape->refined_positions.resize(shape->refined->mesh.positions.size());
+        shape->refined_normals.resize(shape->refined->mesh.normals.size());
+        evaluate(shape->refined->stencils, shape->positions, shape->refined_positions, shape->refined_normals);
+    }
+    shape->positions = shape->refined_positions;
+    shape->normals = shape->refined_normals;
+}
+
+}  // namespace
+
+void refine(Scene& scene, FrameState* state, FrameStats* stats) {
+    choose_levels(scene, state);
+    drop_unused(state);
+    make_missing(scene, state, stats);
+    show(scene, state, stats);
+    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+            if (state->shapes[k].level > 0) evaluate_shape(scene, &state->shapes[k]);
+        }
+    });
+}
+
+}  // namespace zoe
