@@ -18,6 +18,7 @@ Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);
 Chart degradation(Sweep& sweep);
 Chart picture(Sweep& sweep);
+Chart skinning(Sweep& sweep);
 Chart threads(Sweep& sweep);
 
 struct ChartInfo {

@@ -51,6 +51,10 @@ constexpr std::array kStyles = {
     Style{"instanced, turned", kBlue, kOpenCircle, true},
     Style{"re-based, turned", kGreen, kTriangle, true},
     Style{"baked", kOrange, kSquare, true},
+    // Skins.
+    Style{"linear blend", kOrange, kSquare, true},
+    Style{"dual quaternion", kBlue, kCircle, true},
+    Style{"memcpy", kGrey, kCross, true},
     // Motions.
     Style{"ripple", kBlue, kCircle, true},
     Style{"walk", kGreen, kTriangle, true},

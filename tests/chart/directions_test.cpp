@@ -11,6 +11,7 @@
 #include "apps/chart/charts.h"
 #include "apps/chart/gnuplot.h"
 #include "apps/chart/measure.h"
+#include "apps/chart/rod.h"
 #include "apps/chart/style.h"
 #include "apps/common/open_scene.h"
 #include "engine/bvh/build_clusters.h"
@@ -196,6 +197,25 @@ TEST(Charts, ErrorsGrowWithTheDistanceUnlessAMatrixOnlyMovesOrTheWorldBeginsTher
     for (const char* const series : {"instanced", "re-based, turned"}) {
         for (const Point& point : error.find(series)->points) EXPECT_LT(point.y.median, 1e-6) << series << point.x.median;
     }
+}
+
+/// Of a section that follows both joints by halves and so on, linear blending leaves 1 - 2 s (1 - s) (1 - cos a); in the
+/// mean over shares from 0 to 1, it loses a third of 1 - cos a.
+TEST(Charts, ATwistLosesTheVolumeThatTheFormulaSaysAndNoneByDualQuaternions) {
+    const Chart chart = make("skinning");
+    const char* const panel = "Volume lost by a twist";
+    const Rod rod(96, 32);
+    const double blended = 2.0 * M_PI * 0.25 / rod.volume();  // Of its volume: 2 long, of radius 0.5.
+    for (const Point& point : chart.panel(panel).find("linear blend")->points) {
+        const double expected = 100.0 * blended * (1.0 - std::cos(glm::radians(point.x.median))) / 3.0;
+        EXPECT_NEAR(point.y.median, expected, 0.5) << point.x.median << " degrees";
+    }
+    EXPECT_GT(chart.panel(panel).find("linear blend")->points.back().y.median, 35.0);
+    for (const Point& point : chart.panel(panel).find("dual quaternion")->points) {
+        EXPECT_NEAR(point.y.median, 0.0, 0.5) << point.x.median << " degrees";
+    }
+    const Panel& bend = chart.panel("Volume lost by a bend");
+    EXPECT_GT(bend.find("linear blend")->points.back().y.median, bend.find("dual quaternion")->points.back().y.median);
 }
 
 TEST(Charts, RefittingCostsNothingAtFirstAndMostWhereMotionScrambles) {

@@ -51,7 +51,7 @@ TEST(Accuracy, TheDefaultScenesVerticesAreWithinUlpsOfItsBox) {
     const std::filesystem::path file = std::filesystem::path(ZOETROPE_SOURCE_DIR) / "content/default.glb";
     for (const double time_s : {0.0, 0.37, 1.5, 2.9}) {
         const Worst worst = worst_error(file, time_s);
-        EXPECT_LT(worst.ulps, 8.0) << "at " << time_s;
+        EXPECT_LT(worst.ulps, 1.0) << "at " << time_s;
         EXPECT_GT(worst.compared, 10000u);
     }
 }
@@ -64,7 +64,7 @@ TEST(Accuracy, VerticesOfRealFiguresAreWithinUlpsOfTheirBoxes) {
         if (!std::filesystem::exists(*folder / name)) continue;
         for (const double time_s : {0.0, 0.37, 1.5}) {
             const Worst worst = worst_error(*folder / name, time_s);
-            EXPECT_LT(worst.ulps, 16.0) << name << " at " << time_s;
+            EXPECT_LT(worst.ulps, 4.0) << name << " at " << time_s;
             EXPECT_GT(worst.compared, 10u) << name;
         }
     }

@@ -152,7 +152,7 @@ TEST(SkinReader, ExtrasPickDualQuaternions) {
     extras = {{"skinning", "linear_blend"}};
     EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kLinearBlend);
     EXPECT_EQ(glb.load().warnings().count(warning), 0u);
-    for (const nlohmann::json& wrong : {nlohmann::json("spherical"), nlohmann::json(1), nlohmann::json::array()}) {
+    for (const nlohmann::json& wrong : {nlohmann::json("spherical"), nlohmann::json(1), nlohmann::json({1, 2})}) {
         extras = {{"skinning", wrong}};
         EXPECT_EQ(glb.load().skins[0].skinning, Skinning::kLinearBlend);
         EXPECT_EQ(glb.load().warnings().count(warning), 1u) << wrong.dump();
