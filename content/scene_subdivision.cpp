@@ -219,10 +219,8 @@ Content make_dancers_scene(int size) {
             Node joint;
             joint.name = bone.name;
             joint.parent = is_root ? kNone<NodeId> : skin.joints[static_cast<size_t>(bone.parent)];
-            joint.local.translation = is_root ? bone.place + kApart * glm::vec3(static_cast<float>(i % kInRow) -
-                                                                                    0.5f * static_cast<float>(columns - 1),
-                                                                                0, -static_cast<float>(i / kInRow))
-                                              : bone.place - kBones[static_cast<size_t>(bone.parent)].place;
+            const glm::vec3 place = kApart * glm::vec3(i % kInRow - columns / 2, 0, -(i / kInRow));
+            joint.local.translation = bone.place + (is_root ? place : -kBones[static_cast<size_t>(bone.parent)].place);
             const NodeId id = scene.add(std::move(joint));
             skin.joints.push_back(id);
             skin.joint_from_mesh.push_back(at(-bone.place));
@@ -236,7 +234,7 @@ Content make_dancers_scene(int size) {
         scene.skins.push_back(std::move(skin));
         scene.add(std::move(node));
     }
-    add_view(scene, {0.25f, 1.25f, 2.1f}, {0.0f, 1.0f, 0.0f}, 50.0f);
+    add_view(scene, {0.1f, 1.2f, 0.72f}, {0.0f, 1.12f, 0.0f}, 40.0f);
     return content;
 }
 
@@ -282,7 +280,7 @@ Content make_surface_scene(int size) {
         weights.values.insert(weights.values.end(), {std::cos(2.0f * kPi * share), std::sin(2.0f * kPi * share)});
     }
     add_channel(scene, id, ChannelPath::kWeights, add_sampler(scene, std::move(weights)));
-    add_view(scene, {1.1f, 0.0f, 1.7f}, {0.9f, 0.0f, 0.0f}, 40.0f);
+    add_view(scene, {1.0f, 0.2f, 1.25f}, {1.05f, 0.0f, 0.0f}, 40.0f);
     return content;
 }
 

@@ -5,4 +5,5 @@
 #include "engine/frame/frame.h"
 #include "engine/math/parallel.h"
 #include "engine/scene/gltf.h"
+#include "engine/scene/obj.h"
 #include "engine/scene/sequence.h"

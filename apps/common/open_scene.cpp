@@ -51,9 +51,18 @@ bool has_finite_triangles(const Mesh& mesh) {
     });
 }
 
+void set_level(Scene& scene, int level) {
+    for (Mesh& mesh : scene.meshes) {
+        if (!mesh.surface) continue;
+        mesh.surface->options.level = level;
+        mesh.surface->pixels = 0.0f;
+    }
+    if (const std::string broken = check(scene); !broken.empty()) throw SceneError(scene.file, "", broken);
+}
+
 }  // namespace
 
-Content open_scene(const std::string& name, double fps) {
+Content open_scene(const std::string& name, double fps, std::optional<int> level) {
     Content content;
     if (is_content(name)) {
         content = make_content(name);
@@ -61,11 +70,14 @@ Content open_scene(const std::string& name, double fps) {
         throw SceneError(name, "", "is a folder, not a scene");
     } else if (!std::filesystem::exists(name) && is_sequence_pattern(name)) {
         content.scene = load_sequence(name, fps);
+    } else if (std::filesystem::path(name).extension() == ".obj") {
+        content.scene = load_obj(name, {.subdivision_level = level});
     } else if (looks_like_file(name)) {
         content.scene = load_gltf(name);
     } else {
         content = make_content(name);  // its error lists the names
     }
+    if (level) set_level(content.scene, *level);
     if (content.write) content.write(content.scene, 0.0);
     if (!shows(content.scene, has_triangles)) throw SceneError(name, "", "the scene shows no mesh");
     // What is written may be finite later.

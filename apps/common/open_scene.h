@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,12 +9,13 @@
 
 namespace zoe {
 
-/// Opens what a user calls a scene: NAME or NAME-SIZE of the content list, a .glb or .gltf file, or a mesh sequence
+/// Opens what a user calls a scene: NAME or NAME-SIZE of the content list, a .glb, .gltf or .obj file, or a mesh sequence
 /// (wave_%04d.glb).
 /// fps        Of a sequence's meshes: one a frame.
+/// level      Of all its subdivision surfaces, and makes the polygons of an .obj file the cage of one; none: as they say.
 /// Returns    the scene with this project's writer where it has one; its written meshes are those of time 0.
 /// Throws     SceneError for what cannot be read, or shows no triangles that could be hit.
-Content open_scene(const std::string& name, double fps);
+Content open_scene(const std::string& name, double fps, std::optional<int> level = std::nullopt);
 
 /// Makes the frame at a time: the scene's own writer, then `advance`.
 const Tlas& advance(Content& content, double time_s, FrameStats* stats);

@@ -22,7 +22,7 @@ int fail(int exit_code, const std::string& message) {
 
 void run(const zoe::Options& options) {
     zoe::set_thread_count(options.threads);
-    zoe::Content content = zoe::open_scene(options.scene, options.fps);
+    zoe::Content content = zoe::open_scene(options.scene, options.fps, options.level);
     content.scene.playback.is_looping = options.is_looping;
     content.scene.tree_build.budget_s = options.build_budget_s;
     if (!options.cache.empty()) content.scene.tree_cache = std::make_shared<zoe::TreeCache>(options.cache);

@@ -29,7 +29,8 @@ std::string footer() {
         "  zoetrope-demo fox.glb --headless --frames 0-71 three seconds as pictures in out/\n"
         "  zoetrope-demo --shade motion                   how each node moves: its motion class\n"
         "  zoetrope-demo --out out/f_%04d.exr --spp 64    EXR layers: colour, depth, node and triangle\n"
-        "  zoetrope-demo 'wave_%04d.glb'                  a mesh a frame\n\n"
+        "  zoetrope-demo 'wave_%04d.glb'                  a mesh a frame\n"
+        "  zoetrope-demo cage.obj --subdivide 3           a smooth surface over a cage of quads\n\n"
         "Scenes made by this project, as NAME or NAME-SIZE (instances-100000):\n";
     for (const ContentInfo& info : content_list()) {
         const std::string size = info.max_size > 0 ? fmt::format("; {} unless told", info.default_size) : "";
@@ -44,9 +45,14 @@ std::string footer() {
 void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // so that a script's can be overridden
     app.add_option("SCENE", options.scene,
-                   "A .glb or .gltf file, a mesh sequence (wave_%04d.glb), or a name from the list below")
+                   "A .glb, .gltf or .obj file, a mesh sequence (wave_%04d.glb), or a name from the list below")
         ->type_name("")
         ->capture_default_str();
+
+    app.add_option("--subdivide", options.level,
+                   "Level of all subdivision surfaces; makes the polygons of an .obj file the cage of one")
+        ->type_name("LEVEL")
+        ->check(CLI::Range(1, kMaxSubdivisionLevel));
 
     const char* const what = "What plays";
     app.add_option("--clip", options.clip, "The clip that plays (the first, unless told), or all at once")

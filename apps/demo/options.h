@@ -15,6 +15,7 @@ namespace zoe {
 struct Options {
     std::string scene = "default";
     bool is_headless = false;
+    std::optional<int> level;  ///< Of subdivision surfaces.
 
     FrameRange frames{0, 47};
     double fps = 24.0;
