@@ -40,7 +40,8 @@ struct Shape {
     bool is_changed = true;           ///< Its vertices are other than in the last frame.
     bool is_topology_changed = true;  ///< So may be its triangles.
     uint64_t mesh_version = 0;
-    bool has_blas = false;  ///< `blas` holds the last frame's triangles.
+    bool has_blas = false;                 ///< `blas` holds the last frame's triangles.
+    uint32_t warned_not_finite_count = 0;  ///< Triangles that a warning told of.
     Blas own_blas;
     BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt when vertices move; else released after the build.
     Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
