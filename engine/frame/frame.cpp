@@ -31,6 +31,8 @@ const FrameState& made_state(const Scene& scene) {
     return *scene.frame;
 }
 
+}  // namespace
+
 FrameState& state_of(Scene& scene) {
     if (scene.frame && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
@@ -43,8 +45,6 @@ FrameState& state_of(Scene& scene) {
     }
     return *scene.frame;
 }
-
-}  // namespace
 
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     if (!std::isfinite(time_s)) throw std::invalid_argument("advance: the time is not finite");

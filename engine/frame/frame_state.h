@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/bvh/blas.h"
@@ -82,6 +83,7 @@ struct FrameState {
     std::vector<Shape> shapes;                             ///< In order of their nodes.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
+    std::vector<std::optional<Aabb>> shared_bounds;        ///< [mesh_count] or none: what `bounds_at` found of them.
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
     std::vector<Shape*> blas_work;                         ///< Scratch of update_blas: trees that change in this frame.
     size_t written_mesh_count = 0;                         ///< Meshes that the user had written when nodes were classified.
@@ -91,6 +93,9 @@ struct FrameState {
 
 /// Classifies the nodes and makes room for everything, once a scene.
 void prepare(Scene& scene, FrameState* state);
+/// The scene's state: made by the first call, and anew where nodes, meshes or a first write came since.
+/// Throws     SceneError where the scene does not pass `check`.
+FrameState& state_of(Scene& scene);
 /// Meshes that were given to `Scene::write_mesh`; when it changes, nodes are classified anew.
 size_t count_written_meshes(const Scene& scene);
 
@@ -100,5 +105,8 @@ void deform(const Scene& scene, FrameState* state);
 struct FrameStats;
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
+
+/// Where a shape whose vertices are in this box is in the world of this frame; empty where it cannot be hit.
+Aabb bounds_world(const Shape& shape, const FrameState& state, const Aabb& bounds_local);
 
 }  // namespace zoe
