@@ -4,6 +4,7 @@
 
 #include "apps/common/parse.h"
 #include "apps/common/usage_error.h"
+#include "engine/frame/bounds_at.h"
 
 namespace zoe {
 
@@ -44,7 +45,10 @@ NodeId find_camera(const Scene& scene, const std::string& choice) {
 
 Aabb bounds_over(Content& content, std::span<const double> times) {
     Aabb bounds;
-    for (const double time_s : times) bounds.extend(advance(content, time_s, nullptr).bounds());
+    for (const double time_s : times) {
+        if (content.write) content.write(content.scene, time_s);
+        bounds.extend(bounds_at(content.scene, time_s));
+    }
     return bounds.is_empty() || !bounds.is_finite() ? Aabb{glm::vec3(-1.0f), glm::vec3(1.0f)} : bounds;
 }
 

@@ -36,7 +36,7 @@ std::string camera_name(const Scene& scene, NodeId node);
 NodeId find_camera(const Scene& scene, const std::string& choice);
 
 /// A box that holds the scene at all of several times, by which it is framed when nothing else was chosen.
-/// Advances the scene. An empty scene gives a box of two metres around the origin.
+/// Moves the scene as `bounds_at` does. An empty scene gives a box of two metres around the origin.
 Aabb bounds_over(Content& content, std::span<const double> times);
 
 /// Nine times that cover what plays, or `otherwise_s` seconds where nothing repeats.

@@ -1,5 +1,7 @@
 #include "apps/demo/first_view.h"
 
+#include <array>
+
 namespace zoe {
 
 namespace {
@@ -14,7 +16,7 @@ void set_origin(Content& content, const Options& options, ViewChoice* choice) {
     Scene& scene = content.scene;
     if (options.origin) scene.origin = *options.origin;
     if (options.begins_at_eye) {
-        advance(content, 0.0, nullptr);
+        bounds_over(content, std::array{0.0});  // Where nodes are at the start.
         scene.origin = choice->camera    ? place_in_scene(scene, *choice->camera)
                        : choice->look_at ? *options.eye
                                          : glm::dvec3(choice->bounds.centre());

@@ -155,7 +155,6 @@ void write_overviews(const Options& options, const Run& run) {
 
 void run_headless(Content& content, const Options& options) {
     const ViewChoice view_choice = first_view(content, options);
-    content.scene.touch();  // framing may have advanced the scene; the first frame's price is still to be seen
     make_folder(options.out.folder());
     if (options.stats) require_writable(*options.stats);
     if (options.trace) require_writable(*options.trace);

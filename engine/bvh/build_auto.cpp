@@ -6,9 +6,10 @@ namespace zoe {
 
 namespace {
 
-// From the benchmark's `--trees` over static, deforming and five models, on two cores: the median build, and what rays gain
-// in the mean. A sweep alone pays nowhere: what it gains over the binned builder, reinsertion gains many times over. Spatial
-// splits take twice as long to build, and rays were slower for them in most of these scenes.
+// From the benchmark's `--trees` over static, deforming and five models (BENCHMARKS.md's but the ship), on two cores: the
+// median build, and what rays gain in the mean. A sweep alone pays nowhere: what it gains over the binned builder,
+// reinsertion gains many times over. Spatial splits take twice as long to build, and rays were slower for them in most of
+// these scenes.
 struct Price {
     BlasBuilder builder;
     double build_ns;  // A triangle.

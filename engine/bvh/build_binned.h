@@ -7,6 +7,7 @@
 
 namespace zoe {
 
+/// Unless told, boxes are tested one by one; `build_blas` sets what suits triangles in blocks, and says why (blas.cpp).
 struct BinnedConfig {
     int bin_count = 16;      ///< 2 to 64; small nodes take fewer.
     int max_leaf_size = 8;   ///< A leaf with more primitives is split even where that does not pay.

@@ -11,12 +11,15 @@
 
 #include "engine/bvh/small_stack.h"
 #include "engine/math/parallel.h"
+#include "engine/math/rng.h"
 
 namespace zoe {
 
 namespace {
 
-constexpr size_t kGrain = 256;
+constexpr size_t kGrain = 64;
+// Triangles whose walks are done before it is looked at how many nodes they visited: first these, then some times as many.
+constexpr size_t kFirstTriangles = 16, kGrowth = 8;
 
 // A convex polygon in double. A plane adds one vertex to it, unless rounding made it slightly concave: then n vertices, i of
 // them inside, leave at most i + 2 min(i, n - i). From 3 vertices, six planes lead to no more than 28.
@@ -138,8 +141,9 @@ private:
 };
 
 // Cost of the nodes that a triangle reaches into from outside, times its area in each.
+// visits     the nodes that were looked at are added.
 double overlap_of(const Bvh& bvh, const Ranks& ranks, std::span<const uint32_t> own, const Triangle& triangle,
-                  double whole_area) {
+                  double whole_area, uint64_t* visits) {
     const Aabb box = bounds(triangle);
     const Polygon polygon = polygon_of(triangle);
     double sum = 0.0;
@@ -147,6 +151,7 @@ double overlap_of(const Bvh& bvh, const Ranks& ranks, std::span<const uint32_t> 
     open.push(0);
     while (!open.is_empty()) {
         const uint32_t index = open.pop();
+        ++*visits;
         const BvhNode& node = bvh.nodes[index];
         if (!ranks.is_under(index, own)) {
             if (!overlaps(node, box)) continue;
@@ -161,9 +166,28 @@ double overlap_of(const Bvh& bvh, const Ranks& ranks, std::span<const uint32_t> 
     return sum;
 }
 
+// Every order is as likely as any other.
+std::vector<uint32_t> shuffled(size_t count, uint64_t seed) {
+    std::vector<uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    Rng rng(seed);
+    for (size_t k = count; k-- > 1;) std::swap(order[k], order[rng.below(static_cast<uint32_t>(k + 1))]);
+    return order;
+}
+
+// How many triangles are next, at most `left` of them: as many as the budget is expected to do.
+size_t next_count(size_t done, size_t left, uint64_t visits, uint64_t max_visits) {
+    if (done == 0) return std::min(kFirstTriangles, left);
+    if (visits >= max_visits) return 0;
+    const double mean = std::max(1.0, static_cast<double>(visits) / static_cast<double>(done));
+    const double affordable = static_cast<double>(max_visits - visits) / mean;
+    const size_t most = std::min(left, kGrowth * done);
+    return affordable < static_cast<double>(most) ? static_cast<size_t>(affordable) : most;
+}
+
 }  // namespace
 
-double epo_cost(const Bvh& bvh, std::span<const Triangle> triangles) {
+Epo epo(const Bvh& bvh, std::span<const Triangle> triangles, const EpoConfig& config) {
     assert(triangles.size() == bvh.primitives.size());
     const Ranks ranks(bvh);
     const References references(bvh, ranks);
@@ -171,22 +195,45 @@ double epo_cost(const Bvh& bvh, std::span<const Triangle> triangles) {
         double area = 0.0, overlap = 0.0;
     };
     std::vector<Addend> addends(triangles.size());
-    parallel_for(0, references.triangle_count(), kGrain, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) {
-            const uint32_t slot = references.a_slot_of(k);
-            const Triangle& t = triangles[slot];
-            if (!is_finite(t.a) || !is_finite(t.b) || !is_finite(t.c)) continue;
-            const double whole_area = area(polygon_of(t));
-            if (whole_area == 0.0) continue;
-            addends[slot] = {whole_area, overlap_of(bvh, ranks, references.ranks_of(k), t, whole_area)};
-        }
-    });
+    const auto walk = [&](uint32_t triangle, uint64_t* visits) {
+        const uint32_t slot = references.a_slot_of(triangle);
+        const Triangle& t = triangles[slot];
+        if (!is_finite(t.a) || !is_finite(t.b) || !is_finite(t.c)) return;
+        const double whole_area = area(polygon_of(t));
+        if (whole_area == 0.0) return;
+        addends[slot] = {whole_area, overlap_of(bvh, ranks, references.ranks_of(triangle), t, whole_area, visits)};
+    };
+
+    // In an order that makes those that come first a sample of all.
+    std::vector<uint32_t> order = shuffled(references.triangle_count(), config.seed);
+    Epo epo;
+    size_t done = 0;
+    while (const size_t count = next_count(done, order.size() - done, epo.visits, config.max_visits)) {
+        const auto chunk = order.begin() + static_cast<ptrdiff_t>(done);
+        std::sort(chunk, chunk + static_cast<ptrdiff_t>(count));  // Neighbours visit the same nodes.
+        std::atomic<uint64_t> visits{0};
+        parallel_for(done, done + count, kGrain, [&](size_t begin, size_t end) {
+            if (config.cancel && *config.cancel) return;
+            uint64_t visits_here = 0;
+            for (size_t k = begin; k < end; ++k) walk(order[k], &visits_here);
+            visits += visits_here;
+        });
+        epo.visits += visits;
+        done += count;
+        if (config.cancel && *config.cancel) break;
+    }
     Addend sum;  // In the order of the slots, so that threads do not show.
     for (const Addend& addend : addends) {
         sum.area += addend.area;
         sum.overlap += addend.overlap;
     }
-    return sum.area > 0.0 ? sum.overlap / sum.area : 0.0;
+    epo.is_sampled = done < order.size();
+    epo.cost = sum.area > 0.0 ? sum.overlap / sum.area : 0.0;
+    return epo;
+}
+
+double epo_cost(const Bvh& bvh, std::span<const Triangle> triangles) {
+    return epo(bvh, triangles, {}).cost;
 }
 
 }  // namespace zoe

@@ -56,11 +56,16 @@ struct RawHit {
 /// Cost       no allocation unless the tree is deeper than a few dozen levels.
 /// Source     single rays: Wald, Benthin, Boulos. Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
 ///            Multi-Branching BVHs. IEEE RT 2008. Many: Tsakok. Faster Incoherent Rays: Multi-BVH Ray Stream Tracing. HPG
-///            2009. Deviation: sets of 64 rays as bits, in order of the first entry among them. Coherent ones go in packets.
+///            2009; Barringer, Akenine-Moller. Dynamic Ray Stream Traversal. TOG 2014: a node is read once for all rays that
+///            enter it. Deviation: sets of 64 rays as bits, all in the order of the first entry among them. Coherent ones:
+///            Boulos, Wald, Shirley. Geometric and Arithmetic Culling Methods for Entire Ray Packets. Technical report
+///            UUCS-06-010, 2006: sixteen rays against a box by intervals of their origins and reciprocal directions.
+///            Deviation: intervals alone, and no search for the first ray that enters.
 void closest_hits(const TwoLevels& scene, std::span<const Ray> rays, RawHit* hits, TraverseCounts* counts);
 
-/// Tells for each ray whether anything is hit with t in [t_min, t_max].
-/// is_hit     [ray_count] 1 or 0.
+/// Tells for each ray whether anything is hit with t in [t_min, t_max]: 1 where `closest_hits` finds a hit, else 0.
+/// is_hit     [ray_count]
+/// counts, Cost, Source   as there. Children are visited in no order, and a ray that has hit something looks no further.
 void any_hits(const TwoLevels& scene, std::span<const Ray> rays, uint8_t* is_hit, TraverseCounts* counts);
 
 struct BlasHit {

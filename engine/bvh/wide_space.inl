@@ -10,8 +10,11 @@ using AxisTag = hn::FixedTag<float, 4>;
 using AxisBits = hn::RebindToUnsigned<AxisTag>;
 using AxisInts = hn::RebindToSigned<AxisTag>;
 
-// Relative slack of the box test, put on the far planes and on the closest t so far: `entry` moves both ends by 6 ulp and
-// rounds; this is 64. It is more than the rounding of the smallest numbers, too, where ulps are no longer relative.
+// Relative slack of the box test, put on the far planes and on the closest t so far, in units of e = 2^-23: 39 are needed.
+// `entry` lets a box in where in (1 - 6 e) <= out (1 + 6 e), each product rounded: where in <= out (1 + 13 e). Here `in` is
+// the same, and `out` is rounded three times: by this factor, by the step, and as a product; with its rounding there that is
+// 2 e more. Below 2^-126 numbers round by half of s = 2^-149, whatever their size: in (1 - 6 e) is other than `in` from
+// s / (12 e) on, where the four such halves of both tests are 24 e. The step is for reciprocals below 2^-126.
 constexpr float kCullPad = 1.0f + 64.0f * 1.1920929e-7f, kCullStep = 64.0f * 1.4e-45f;
 // Comparisons with NaN give the second operand, and so do equal ones, as in `entry`.
 template <class V>

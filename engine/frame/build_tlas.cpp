@@ -57,10 +57,7 @@ bool place(Instance* instance) {
 }
 
 bool can_be_hit(const Shape& shape, const FrameState& state, const Aabb& bounds_local) {
-    Instance instance;
-    instance.world_from_local = world_from_local(shape, state);
-    instance.bounds_local = bounds_local;
-    return place(&instance);
+    return !bounds_world(shape, state, bounds_local).is_empty();
 }
 
 // Measures the trees that stay as they are and are turned, once a scene: those that move, and those that many nodes show.
@@ -235,6 +232,13 @@ void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
 }
 
 }  // namespace
+
+Aabb bounds_world(const Shape& shape, const FrameState& state, const Aabb& bounds_local) {
+    Instance instance;
+    instance.world_from_local = world_from_local(shape, state);
+    instance.bounds_local = bounds_local;
+    return place(&instance) ? instance.bounds_world : Aabb{};
+}
 
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats) {
     Tlas& tlas = state->tlas;

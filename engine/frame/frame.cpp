@@ -32,6 +32,8 @@ const FrameState& made_state(const Scene& scene) {
     return *scene.frame;
 }
 
+}  // namespace
+
 FrameState& state_of(Scene& scene, FrameStats* stats) {
     if (scene.frame && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
@@ -45,8 +47,6 @@ FrameState& state_of(Scene& scene, FrameStats* stats) {
     }
     return *scene.frame;
 }
-
-}  // namespace
 
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     if (!std::isfinite(time_s)) throw std::invalid_argument("advance: the time is not finite");

@@ -3,6 +3,7 @@
 #include <compare>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/bvh/blas.h"
@@ -66,7 +67,8 @@ struct Shape {
     bool is_changed = true;           ///< Its vertices are other than in the last frame.
     bool is_topology_changed = true;  ///< So may be its triangles.
     uint64_t mesh_version = 0;
-    bool has_blas = false;  ///< `blas` holds the last frame's triangles.
+    bool has_blas = false;                 ///< `blas` holds the last frame's triangles.
+    uint32_t warned_not_finite_count = 0;  ///< Triangles that a warning told of.
     Blas own_blas;
     BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt whenever vertices move; else released after the build.
     TreeWatch watch;           ///< Of a tree that is refitted.
@@ -133,6 +135,7 @@ struct FrameState {
     std::map<MeshId, LevelChoice> level_choices;           ///< Of meshes whose surfaces have `pixels`.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
+    std::vector<std::optional<Aabb>> shared_bounds;        ///< [mesh_count] or none: what `bounds_at` found of them.
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
     std::vector<Bvh> clip_trees;  ///< [mesh_count] for deforming nodes, until they have theirs; see build_clip_trees.
     BlasWork blas_work;           ///< Scratch of update_blas.
@@ -142,16 +145,24 @@ struct FrameState {
     Tlas tlas;
 };
 
+struct FrameStats;
+
 /// Classifies the nodes and makes room for everything, once a scene.
 void prepare(Scene& scene, FrameState* state);
+/// The scene's state: made by the first call, and anew where nodes, meshes or a first write came since.
+/// stats      surfaces that were refined on the way are added.
+/// Throws     SceneError where the scene does not pass `check`.
+FrameState& state_of(Scene& scene, FrameStats* stats);
 /// Meshes that were given to `Scene::write_mesh`; when it changes, nodes are classified anew.
 size_t count_written_meshes(const Scene& scene);
 
 /// The stages, in order. Each reads what the ones before it wrote.
 void animate(const Scene& scene, double time_s, FrameState* state);
-struct FrameStats;
 void deform(Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
+
+/// Where a shape whose vertices are in this box is in the world of this frame; empty where it cannot be hit.
+Aabb bounds_world(const Shape& shape, const FrameState& state, const Aabb& bounds_local);
 
 }  // namespace zoe

@@ -157,6 +157,19 @@ void warn_of_cache(Scene& scene) {
     }
 }
 
+// Once a tree, and again where the number has doubled since: what moves each frame says it a few times at most.
+void warn_of_not_finite(Scene& scene, std::span<Shape* const> work) {
+    for (Shape* shape : work) {
+        const uint32_t count = shape->blas->not_finite_count;
+        if (count == 0 || count / 2 < shape->warned_not_finite_count) continue;
+        shape->warned_not_finite_count = count;
+        const std::string text = "node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +
+                                 "': " + std::to_string(count) + (count == 1 ? " triangle" : " triangles") +
+                                 " with NaN or infinite corners: never hit";
+        if (!scene.warnings().contains(text)) scene.warn(text);  // A scene that was touched is built anew.
+    }
+}
+
 }  // namespace
 
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
@@ -192,12 +205,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     if (is_any_new) reserve_rebuilds(&state->blas_work);
     std::vector<Bvh>().swap(state->clip_trees);  // All have theirs now.
     rebuild_worn(scene, state, stats);
-    for (const Shape* shape : work) {
-        if (const uint32_t count = shape->blas->not_finite_count; count > 0) {
-            scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +
-                       "': triangles with NaN or infinite corners are never hit");
-        }
-    }
+    warn_of_not_finite(scene, work);
 }
 
 }  // namespace zoe

@@ -26,7 +26,8 @@ bool intersect(const RayFrame& ray, const Triangle& triangle, float t_floor, flo
         s.z[k] = p[ray.kz];
     }
     // Areas in float first. Rounding is monotone: one that is not 0 has the sign of the exact value, so two of unlike signs
-    // are a miss. (Where coordinates are so large that products overflow, this is for all kernels to decide alike.)
+    // are a miss. Of corners more than 1.3e19 off the ray, to its side, products overflow: such a triangle may be missed, by
+    // all kernels alike. With no coordinate above 3e18 there are none.
     const float u = s.x[2] * s.y[1] - s.y[2] * s.x[1];
     const float v = s.x[0] * s.y[2] - s.y[0] * s.x[2];
     const float w = s.x[1] * s.y[0] - s.y[1] * s.x[0];

@@ -30,16 +30,21 @@ void set_axes(const glm::vec3& back, const glm::vec3& up, View* view) {
     view->axis_y = glm::cross(view->axis_z, view->axis_x);
 }
 
-}  // namespace
-
-View look_at(const glm::vec3& eye, const glm::vec3& target, float fov_degrees, float aspect) {
+// back       from the target to the eye, of any length.
+View look_along(const glm::vec3& eye, const glm::vec3& back, float fov_degrees, float aspect) {
     assert(fov_degrees > 0.0f && fov_degrees < 180.0f && aspect > 0.0f);
     View view;
     view.origin = eye;
-    set_axes(unit_or(eye - target, glm::vec3(0, 0, 1)), glm::vec3(0, 1, 0), &view);
+    set_axes(unit_or(back, glm::vec3(0, 0, 1)), glm::vec3(0, 1, 0), &view);
     view.half_height = std::tan(0.5f * glm::radians(fov_degrees));
     view.half_width = view.half_height * aspect;
     return view;
+}
+
+}  // namespace
+
+View look_at(const glm::vec3& eye, const glm::vec3& target, float fov_degrees, float aspect) {
+    return look_along(eye, eye - target, fov_degrees, aspect);
 }
 
 View view_from_camera(const Scene& scene, NodeId node, float aspect) {
@@ -69,7 +74,8 @@ View frame_whole(const Aabb& bounds, float aspect) {
     const glm::vec3 toward_viewer = glm::normalize(glm::vec3(0.25f, 0.3f, 1.0f));
     const bool is_usable = bounds.is_proper();
     const glm::vec3 centre = is_usable ? bounds.centre() : glm::vec3(0.0f);
-    View view = look_at(centre + toward_viewer, centre, kFrameFovDegrees, aspect);
+    // By the direction, not from eye to centre: far from the origin, those are rounded.
+    View view = look_along(centre + toward_viewer, toward_viewer, kFrameFovDegrees, aspect);
     if (!is_usable) return view;
 
     // A corner at (x, y, z) from the centre, along the axes, is seen by an eye at (ex, ey, ez) where

@@ -45,7 +45,7 @@ TEST(Blas, RaysAtNastyMeshesDoHitThem) {
         if (mesh.corners.empty() || mesh.corners.size() > 10000) continue;
         if (mesh.name == "nothing finite" || mesh.name == "on a line" || mesh.name == "in one point") continue;
         if (mesh.name.starts_with("as huge as floats go"))
-            continue;  // Products overflow above about 1e18: valid, never hit.
+            continue;  // Some are missed, by all alike: Huge says from where on.
         int hits = 0;
         for (const Ray& ray : rays_at(mesh, 320, 81)) hits += brute_force(mesh, ray).primitive != 0xffffffffu;
         EXPECT_GE(hits, mesh.name == "one finite triangle among broken ones" ? 0 : 20) << mesh.name;

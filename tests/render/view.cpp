@@ -56,6 +56,24 @@ TEST(View, AWholeBoxIsInsideThePicture) {
     }
 }
 
+TEST(View, AWholeBoxIsSeenFromTheSameSideWhereverItIs) {
+    const Aabb near{{-1, -2, -3}, {1, 2, 3}};
+    const View expected = frame_whole(near, 1.5f);
+    for (const float away : {1.0f, 1e3f, 1e7f, 1e12f, -3e7f}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            glm::vec3 centre(0.0f);
+            centre[axis] = away;
+            const View view = frame_whole({near.lo + centre, near.hi + centre}, 1.5f);
+            EXPECT_EQ(view.axis_x, expected.axis_x) << away << " along " << axis;
+            EXPECT_EQ(view.axis_y, expected.axis_y) << away << " along " << axis;
+            EXPECT_EQ(view.axis_z, expected.axis_z) << away << " along " << axis;
+            // The place is as exact as floats are there.
+            EXPECT_LE(glm::distance(view.origin - centre, expected.origin), 4e-7f * std::abs(away) + 1e-5f)
+                << away << " along " << axis;
+        }
+    }
+}
+
 TEST(View, NothingToFrameStillGivesAView) {
     for (const Aabb& box : {Aabb{}, Aabb{{2, 2, 2}, {2, 2, 2}}}) {
         const Ray ray = camera_ray(frame_whole(box, 1.5f), 0.5f, 0.5f, 1, 1);
