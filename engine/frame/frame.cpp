@@ -31,8 +31,23 @@ const FrameState& made_state(const Scene& scene) {
     return *scene.frame;
 }
 
+// Held by the one thread that makes a frame of a scene.
+class InUse {
+public:
+    explicit InUse(FrameState* state) : state_(state) {
+        if (state_->is_in_use.exchange(true))
+            throw std::logic_error("advance: another thread is making a frame of this scene");
+    }
+    ~InUse() { state_->is_in_use = false; }
+    InUse(const InUse&) = delete;
+    InUse& operator=(const InUse&) = delete;
+
+private:
+    FrameState* const state_;
+};
+
 FrameState& state_of(Scene& scene) {
-    if (scene.frame && !fits(*scene.frame, scene)) scene.touch();
+    if (scene.frame && !scene.frame->is_in_use && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
         if (const std::string problem = check(scene); !problem.empty()) {
             throw SceneError(scene.file.empty() ? "scene" : scene.file, "", problem);
@@ -51,6 +66,7 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     FrameStats ignored;
     FrameStats& s = stats ? *stats : ignored;
     FrameState& state = state_of(scene);
+    const InUse in_use(&state);
     timed(&s.animate_ms, [&] { animate(scene, time_s, &state); });
     timed(&s.deform_ms, [&] { deform(scene, &state); });
     timed(&s.update_blas_ms, [&] { update_blas(scene, &state, &s); });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -70,6 +71,7 @@ struct TlasScratch {
 
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
+    std::atomic<bool> is_in_use{false};  ///< Some thread is making a frame.
     std::vector<NodeId> parents_first;
     std::vector<NodeMotion> motions;        ///< [node_count]
     std::vector<Trs> locals;                ///< [node_count] this frame's, where the node has no matrix.
