@@ -38,6 +38,7 @@ Aabb bounds_at(Scene& scene, double time_s) {
     if (!std::isfinite(time_s)) throw std::invalid_argument("bounds_at: the time is not finite");
     FrameStats ignored;
     FrameState& state = state_of(scene, &ignored);
+    const FrameInUse in_use(&state);
     animate(scene, time_s, &state);
     deform(scene, &state, &ignored);
     state.shared_bounds.resize(scene.meshes.size());

@@ -34,8 +34,16 @@ const FrameState& made_state(const Scene& scene) {
 
 }  // namespace
 
+FrameInUse::FrameInUse(FrameState* state) : state_(state) {
+    if (state_->is_in_use.exchange(true)) throw std::logic_error("advance: another thread is making a frame of this scene");
+}
+
+FrameInUse::~FrameInUse() {
+    state_->is_in_use = false;
+}
+
 FrameState& state_of(Scene& scene, FrameStats* stats) {
-    if (scene.frame && !fits(*scene.frame, scene)) scene.touch();
+    if (scene.frame && !scene.frame->is_in_use && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
         if (const std::string problem = check(scene); !problem.empty()) {
             throw SceneError(scene.file.empty() ? "scene" : scene.file, "", problem);
@@ -53,6 +61,7 @@ const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     FrameStats ignored;
     FrameStats& s = stats ? *stats : ignored;
     FrameState& state = state_of(scene, &s);
+    const FrameInUse in_use(&state);
     timed(&s.animate_ms, [&] { animate(scene, time_s, &state); });
     timed(&s.deform_ms, [&] { deform(scene, &state, &s); });
     timed(&s.update_blas_ms, [&] { update_blas(scene, &state, &s); });

@@ -31,10 +31,16 @@ struct FrameStats {
 /// Makes the frame at a time: animate, deform, update_blas, build_tlas. The result depends on the scene and the time only,
 /// never on the frames before.
 ///
+/// Threads    any number may trace the tree, and read the scene, while none makes its next frame or edits it; scenes that
+///            share nothing but a TreeCache may be played in threads of their own. Who traces is not watched, that would
+///            cost each ray: whoever calls waits for them first. A second thread that makes a frame of the same scene is
+///            refused where it comes in while the first one is at it.
+///
 /// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
 /// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
 ///            for warnings).
-/// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite.
+/// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite;
+///            std::logic_error where another thread is making a frame of the scene: that one goes on undisturbed.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 
 /// Tells how many rays were traced through the last frame: what trees of deforming nodes that have worn out cost. Never what

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <compare>
 #include <map>
 #include <memory>
@@ -121,6 +122,7 @@ struct BlasWork {
 
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
+    std::atomic<bool> is_in_use{false};  ///< Some thread is making a frame.
     std::vector<NodeId> parents_first;
     std::vector<NodeMotion> motions;        ///< [node_count]
     std::vector<Trs> locals;                ///< [node_count] this frame's, where the node has no matrix.
@@ -161,6 +163,19 @@ void animate(const Scene& scene, double time_s, FrameState* state);
 void deform(Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
+
+/// Held by the one thread that makes a frame of a scene.
+class FrameInUse {
+public:
+    /// Throws     std::logic_error where another thread holds it.
+    explicit FrameInUse(FrameState* state);
+    ~FrameInUse();
+    FrameInUse(const FrameInUse&) = delete;
+    FrameInUse& operator=(const FrameInUse&) = delete;
+
+private:
+    FrameState* const state_;
+};
 
 /// Where a shape whose vertices are in this box is in the world of this frame; empty where it cannot be hit.
 Aabb bounds_world(const Shape& shape, const FrameState& state, const Aabb& bounds_local);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -12,6 +14,7 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include "engine/scene/error.h"
 #include "engine/scene/png_check.h"
 
 namespace zoe {
@@ -21,7 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr int kMaxSide = 16384;
 
-/// OpenImageIO's name of the format, told by the first bytes. (Asked by a file name, it looks for the file.)
+/// OpenImageIO's name of the format, told by the first bytes. (Asked by a file name, it looks for the file.) Those that
+/// glTF's pictures have: its readers of others take as much memory as a few bytes of the file ask for, before anyone is
+/// told.
 const char* format_of(std::span<const std::byte> bytes) {
     const auto begins = [&](std::string_view magic, size_t at = 0) {
         return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
@@ -29,19 +34,13 @@ const char* format_of(std::span<const std::byte> bytes) {
     if (begins("\x89PNG")) return "png";
     if (begins("\xff\xd8\xff")) return "jpeg";
     if (begins("RIFF") && begins("WEBP", 8)) return "webp";
-    if (begins("\x76\x2f\x31\x01")) return "openexr";
-    if (begins("#?")) return "hdr";
-    if (begins("GIF8")) return "gif";
-    if (begins("BM")) return "bmp";
     return nullptr;
 }
 
-std::string one_line(std::string text) {
-    for (char& c : text) {
-        if (c == '\n' || c == '\r') c = ' ';
-    }
-    while (!text.empty() && text.back() == ' ') text.pop_back();
-    return text;
+std::string one_line(const std::string& text) {
+    std::string line = plain_line(text);
+    while (!line.empty() && line.back() == ' ') line.pop_back();
+    return line;
 }
 
 /// Repeats grey, and adds opaque alpha, where pixels have less than 4 channels.
@@ -85,19 +84,29 @@ private:
     bool is_renamed_ = false;
 };
 
-/// Writes packed pixels in the spec's own formats.
-void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const char* format, const void* pixels) {
+/// Writes packed pixels in the spec's own formats. OpenImageIO encodes into memory only: where a file ends early, it does
+/// not say so of a PNG, and ends the program over an EXR.
+void write_pixels(const fs::path& file, OIIO::ImageSpec spec, const char* format, const void* pixels) {
     const auto fail = [&](const std::string& reason) { throw std::runtime_error(file.string() + ": " + one_line(reason)); };
     if (fs::is_directory(file)) fail("it is a directory");
-    TemporaryFile temporary(file);
+    OIIO::Filesystem::IOVecOutput memory;
+    OIIO::Filesystem::IOProxy* proxy = &memory;
+    spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
     const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(format);
     if (!out) fail(OIIO::geterror());
-    if (!out->open(temporary.path(), spec)) fail(out->geterror());
+    if (!out->open(format, spec)) fail(out->geterror());
     const OIIO::TypeDesc native = spec.channelformats.empty() ? spec.format : OIIO::TypeDesc(OIIO::TypeDesc::UNKNOWN);
-    const bool is_written = out->write_image(native, pixels);
-    std::string reason = is_written ? std::string() : out->geterror();
-    if (!out->close() && is_written) reason = out->geterror();
-    if (!is_written || !reason.empty()) fail(reason.empty() ? "it cannot be written" : reason);
+    if (!out->write_image(native, pixels) || !out->close()) {
+        const std::string reason = out->geterror();
+        fail(reason.empty() ? "it cannot be encoded" : reason);
+    }
+    TemporaryFile temporary(file);
+    errno = 0;
+    std::ofstream stream(temporary.path(), std::ios::binary);
+    const std::vector<unsigned char>& bytes = memory.buffer();
+    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream) fail(errno != 0 ? std::strerror(errno) : "it cannot be written");
     temporary.rename_to_target();
 }
 

@@ -16,7 +16,7 @@ struct Image {
     std::vector<uint8_t> pixels;  ///< [height * width * 4]
 };
 
-/// Decodes PNG, JPEG and whatever else OpenImageIO reads.
+/// Decodes a scene's picture: PNG, JPEG or WebP.
 /// max_pixels how many the image may have at most: told by its header, before pixels are read.
 /// Returns    false, with the reason in `error`, for broken files and for more than 16384 pixels a side.
 bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels = UINT64_MAX);

@@ -177,7 +177,7 @@ public:
     std::vector<NodeId> parents_first() const;
 
     /// Adds a warning, or counts one that was given before.
-    void warn(const std::string& text) { ++warnings_[text]; }
+    void warn(const std::string& text) { ++warnings_[plain_line(text)]; }
     const std::map<std::string, uint64_t>& warnings() const { return warnings_; }
 
     std::shared_ptr<FrameState> frame;  ///< Made by the first `advance`; opaque here.

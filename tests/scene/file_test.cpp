@@ -179,6 +179,32 @@ TEST(GltfFile, VersionsOtherThanTwoAreRefused) {
     EXPECT_NE(later.error().find("/asset/minVersion"), std::string::npos);
 }
 
+TEST(GltfFile, WhatAFileSaysIsShownInOnePlainLine) {
+    const TempFolder folder;
+    const std::string hostile = "a\nb\r\x1b[2J\x7f\xc2\x9b\t" + std::string("\0c", 2) + std::string(5000, 'x');
+    const auto expect_plain = [](const std::string& text) {
+        EXPECT_NE(text, "");
+        EXPECT_LT(text.size(), 2000u);
+        EXPECT_EQ(text.find("\xc2\x9b"), std::string::npos);
+        for (const char c : text) EXPECT_TRUE(static_cast<unsigned char>(c) >= ' ' && c != '\x7f') << text;
+    };
+    GlbBuilder version, required, mode, uri, used;
+    version.json["asset"]["version"] = hostile;
+    required.json["extensionsRequired"] = {hostile};
+    mode.push("accessors", {{"componentType", kFloat}, {"count", 1}, {"type", hostile}});
+    uri.push("buffers", {{"byteLength", 1}, {"uri", hostile}});
+    for (const GlbBuilder& glb : {version, required, mode, uri}) expect_plain(glb.error());
+    GlbBuilder attribute;
+    attribute.triangle();
+    attribute.json["meshes"][0]["primitives"][0]["attributes"][hostile] = 77;
+    expect_plain(attribute.error());
+    used.triangle();
+    used.json["extensionsUsed"] = {hostile};
+    const Scene scene = used.load();
+    ASSERT_EQ(scene.warnings().size(), 1u);
+    expect_plain(scene.warnings().begin()->first);
+}
+
 TEST(GltfFile, RequiredExtensionsThatAreNotSupportedAreNamed) {
     for (const char* name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu", "VENDOR_x"}) {
         GlbBuilder glb;

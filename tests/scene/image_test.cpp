@@ -1,13 +1,17 @@
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+
+#include <sys/resource.h>
 
 #include <gtest/gtest.h>
 
 #include "engine/math/rng.h"
 #include "engine/scene/image.h"
 #include "tests/scene/glb_builder.h"
+#include "tests/support/allocation_count.h"
 
 namespace zoe::test {
 namespace {
@@ -54,6 +58,59 @@ TEST(Picture, ImagesAboveTheLimitAreNotDecoded) {
     EXPECT_EQ(image.pixels.capacity(), 0u);
     EXPECT_EQ(image.width, 0);
     EXPECT_TRUE(decode_image(bytes, &image, &error, 35));
+}
+
+/// Gives a PNG another size in its header, and that the checksum that it should have.
+void forge_size(std::vector<std::byte>& png, uint32_t width, uint32_t height) {
+    const auto put = [&](size_t at, uint32_t value) {
+        for (size_t k = 0; k < 4; ++k) png[at + k] = static_cast<std::byte>(value >> (24 - 8 * k));
+    };
+    put(16, width);
+    put(20, height);
+    uint32_t crc = 0xffffffffu;
+    for (size_t k = 12; k < 29; ++k) {
+        crc ^= std::to_integer<uint32_t>(png[k]);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc & 1u) != 0 ? 0xedb88320u ^ crc >> 1 : crc >> 1;
+    }
+    put(29, ~crc);
+}
+
+TEST(Picture, SizesBeyondAllReasonTakeNoMemory) {
+    const TempFolder folder;
+    write_png(folder / "a.png", 7, 5, random_pixels(7 * 5 * 4, 5));
+    std::vector<std::byte> png = bytes_of(folder / "a.png");
+    forge_size(png, 7, 5);
+    Image image;
+    std::string error;
+    ASSERT_TRUE(decode_image(png, &image, &error)) << error;
+    const uint32_t sizes[][2] = {{65000, 65000}, {16385, 1}, {1, 16385}, {1000000, 1000000}, {0x7fffffff, 0x7fffffff}};
+    for (const auto& [width, height] : sizes) {
+        forge_size(png, width, height);
+        reset_peak_bytes();
+        const size_t before = live_bytes();
+        EXPECT_FALSE(decode_image(png, &image, &error)) << width << " x " << height;
+        EXPECT_NE(error, "");
+        EXPECT_LT(peak_bytes() - before, size_t{16} << 20) << width << " x " << height;
+    }
+}
+
+TEST(Picture, OfAScenesPicturesOnlyThoseOfGltfAreDecoded) {
+    const TempFolder folder;
+    const std::vector<float> values(6, 0.5f);
+    const Channel channels[] = {{"R", values}};
+    write_exr(folder / "a.exr", 3, 2, channels);
+    std::vector<std::vector<std::byte>> others = {bytes_of(folder / "a.exr")};
+    for (const std::string_view begin : {"GIF89a", "BM", "#?RADIANCE", "II*\0", "P6 1 1 255", ""}) {
+        const auto* bytes = reinterpret_cast<const std::byte*>(begin.data());
+        others.emplace_back(bytes, bytes + begin.size());
+        others.back().resize(200);
+    }
+    for (const std::vector<std::byte>& bytes : others) {
+        Image image;
+        std::string error;
+        EXPECT_FALSE(decode_image(bytes, &image, &error));
+        EXPECT_EQ(error, "not a picture of a known format");
+    }
 }
 
 TEST(Picture, TruncatedFilesAreRefused) {
@@ -115,6 +172,51 @@ TEST(Picture, ExrKeepsFloatsAndIdsByName) {
     EXPECT_EQ(channel("R"), red);
     EXPECT_EQ(channel("depth.Z"), depth);
     EXPECT_EQ(channel("node.id"), (std::vector<float>{1000000, 1000001, 1000002, 1000003, 1000004, 1000005}));
+}
+
+/// No file may grow beyond a size: writing more fails, as on a full disk.
+class FullDisk {
+public:
+    explicit FullDisk(rlim_t byte_count) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        getrlimit(RLIMIT_FSIZE, &was_);
+        const rlimit limit{byte_count, was_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FullDisk() {
+        setrlimit(RLIMIT_FSIZE, &was_);
+        std::signal(SIGXFSZ, handler_);
+    }
+
+private:
+    rlimit was_;
+    void (*handler_)(int);
+};
+
+TEST(Picture, AFullDiskLeavesNoPartOfAPicture) {
+    const TempFolder folder;
+    const std::vector<uint8_t> pixels = random_pixels(64 * 64 * 4, 6);
+    const std::vector<float> values(64 * 64, 0.5f);
+    const Channel channels[] = {{"R", values}, {"node.id", values, true}};
+    const auto write = [&](const fs::path& file) {
+        if (file.extension() == ".png") write_png(file, 64, 64, pixels);
+        if (file.extension() == ".exr") write_exr(file, 64, 64, channels);
+    };
+    for (const char* name : {"a.png", "a.exr"}) {
+        write(folder / name);
+        const uintmax_t size = fs::file_size(folder / name);
+        for (const uintmax_t space : {uintmax_t{0}, uintmax_t{1}, size / 2, size - 1}) {
+            fs::remove(folder / name);
+            const FullDisk full(space);
+            EXPECT_THROW(write(folder / name), std::runtime_error) << name << ", " << space << " of " << size << " bytes";
+            EXPECT_TRUE(fs::is_empty(folder.path())) << name << ", " << space << " of " << size << " bytes";
+        }
+        {
+            const FullDisk full(size);
+            write(folder / name);
+        }
+        EXPECT_EQ(read_picture(folder / name).width, 64);
+        fs::remove(folder / name);
+    }
 }
 
 TEST(Picture, AFailedWriteLeavesNothingBehind) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scene/glb_builder.h"
+#include "tests/support/allocation_count.h"
 
 namespace zoe::test {
 namespace {
@@ -40,6 +41,46 @@ TEST(GltfLimits, SmallFilesDoNotFillTheMemory) {
     instances.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
         instances.accessor_of(-1, kFloat, "VEC3", 4000000);
     EXPECT_NE(instances.error().find("/nodes/0/extensions/EXT_mesh_gpu_instancing"), std::string::npos);
+}
+
+// Numbers that a file can name in a few bytes, wherever it names one.
+TEST(GltfLimits, NumbersBeyondAllReasonTakeNoMemory) {
+    // As many numbers as a small file may yield, in lists that grow; what is beyond them takes nothing.
+    constexpr size_t kMostBytes = 1 << 20, kMostBytesOfNumbers = 1 << 28;
+    GlbBuilder plain;
+    plain.triangle();
+    nlohmann::json& accessor = plain.json["accessors"][0];
+    const uint16_t index = 0;
+    const float value[3] = {};
+    accessor["sparse"] = {{"count", 1},
+                          {"indices", {{"bufferView", plain.view(&index, sizeof index)}, {"componentType", kUshort}}},
+                          {"values", {{"bufferView", plain.view(value, sizeof value)}}}};
+    accessor["byteOffset"] = 0;
+    plain.json["bufferViews"][0]["byteStride"] = 12;
+    plain.json["buffers"] = {{{"byteLength", plain.binary.size()}}};
+    ASSERT_EQ(plain.error(), "");
+    const auto expect_refused = [](const GlbBuilder& glb, size_t most_bytes) {
+        reset_peak_bytes();
+        const size_t before = live_bytes();
+        EXPECT_NE(glb.error(), "");
+        EXPECT_LT(peak_bytes() - before, most_bytes);
+    };
+    for (const int bits : {24, 31, 32, 40, 53, 63}) {
+        const uint64_t number = (uint64_t{1} << bits) - 1;
+        const size_t most_bytes = bits == 24 ? kMostBytesOfNumbers : kMostBytes;
+        for (const char* place :
+             {"/accessors/0/count", "/accessors/0/byteOffset", "/accessors/0/sparse/count", "/bufferViews/0/byteLength",
+              "/bufferViews/0/byteOffset", "/bufferViews/0/byteStride", "/buffers/0/byteLength"}) {
+            SCOPED_TRACE(testing::Message() << place << " 2^" << bits << " - 1");
+            GlbBuilder glb = plain;
+            glb.json[nlohmann::json::json_pointer(place)] = number;
+            expect_refused(glb, most_bytes);
+        }
+        SCOPED_TRACE(testing::Message() << "zeros, 2^" << bits << " - 1");
+        GlbBuilder zeros = plain;
+        zeros.json["accessors"][0] = {{"componentType", kFloat}, {"type", "VEC3"}, {"count", number}};
+        expect_refused(zeros, most_bytes);
+    }
 }
 
 TEST(GltfLimits, BuffersThatNameOneFileShareItsBytes) {

@@ -1,0 +1,26 @@
+#include "tests/fuzz/files.h"
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace zoe::test {
+
+void overwrite(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    const bool is_written =
+        descriptor >= 0 && write(descriptor, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+    if (descriptor >= 0) close(descriptor);
+    if (!is_written) throw std::runtime_error("cannot write " + file.string());
+}
+
+std::string read_bytes(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw std::runtime_error("cannot read " + file.string());
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace zoe::test
