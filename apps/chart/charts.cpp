@@ -18,6 +18,7 @@ constexpr std::array kCharts = {
     ChartInfo{"triangle", "What does a triangle test cost that misses no edge, and how exact is its t?", triangle},
     ChartInfo{"far", "How far from the origin do rays still hit what they should?", far},
     ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
+    ChartInfo{"policy", "How much must a refitted tree have lost before it is rebuilt?", policy},
     ChartInfo{"threads", "What does each stage of a frame gain from more threads?", threads},
 };
 

@@ -17,6 +17,7 @@ Chart pays_off(Sweep& sweep);
 Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);
 Chart degradation(Sweep& sweep);
+Chart policy(Sweep& sweep);
 Chart threads(Sweep& sweep);
 
 struct ChartInfo {

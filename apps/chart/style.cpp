@@ -60,6 +60,12 @@ constexpr std::array kStyles = {
     Style{"static", kGreen, kCircle, true},
     Style{"deforming", kSkyBlue, kTriangle, true},
     Style{"arbitrary", kOrange, kSquare, true},
+    // When trees are rebuilt.
+    Style{"always refitted", kSkyBlue, kOpenTriangle, true},
+    Style{"always rebuilt", kOrange, kOpenSquare, true},
+    Style{"by the sensor", kGreen, kCircle, true},
+    Style{"in hindsight", kGrey, kOpenDiamond, true},
+    Style{"as the engine counts", kBlack, kPlus, true},
     // Stages of a frame.
     Style{"ideal", kGrey, 0, true},
     Style{"animate", kSkyBlue, kOpenTriangle, true},
