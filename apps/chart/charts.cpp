@@ -20,6 +20,7 @@ constexpr std::array kCharts = {
     ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
     ChartInfo{"picture", "How fast does the noise of a picture go, and what do bounces add that are not followed?", picture},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
+    ChartInfo{"policy", "How much must a refitted tree have lost before it is rebuilt?", policy},
     ChartInfo{"threads", "What does each stage of a frame gain from more threads?", threads},
 };
 

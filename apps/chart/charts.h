@@ -19,6 +19,7 @@ Chart far(Sweep& sweep);
 Chart degradation(Sweep& sweep);
 Chart picture(Sweep& sweep);
 Chart skinning(Sweep& sweep);
+Chart policy(Sweep& sweep);
 Chart threads(Sweep& sweep);
 
 struct ChartInfo {

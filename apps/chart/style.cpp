@@ -71,6 +71,12 @@ constexpr std::array kStyles = {
     Style{"4 bounces", kGreen, kCircle, true},
     Style{"8 bounces", kPurple, kDiamond, true},
     Style{"4 bounces, random", kGreen, kOpenCircle, true},
+    // When trees are rebuilt.
+    Style{"always refitted", kSkyBlue, kOpenTriangle, true},
+    Style{"always rebuilt", kOrange, kOpenSquare, true},
+    Style{"by the sensor", kGreen, kCircle, true},
+    Style{"in hindsight", kGrey, kOpenDiamond, true},
+    Style{"as the engine counts", kBlack, kPlus, true},
     // Stages of a frame.
     Style{"ideal", kGrey, 0, true},
     Style{"animate", kSkyBlue, kOpenTriangle, true},

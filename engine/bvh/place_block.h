@@ -90,7 +90,8 @@ inline void prefetch(std::span<const glm::vec3> positions, std::span<const glm::
 }
 
 /// Puts a block's triangles where their vertices are now, those that are not finite as NaN, and extends bounds by the
-/// others. Returns    how many are not finite.
+/// others.
+/// Returns    how many are not finite.
 inline uint32_t place_block(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, TriangleBlock* block,
                             SlotBounds* bounds) {
     static constexpr float kNowhere[3] = {NAN, NAN, NAN};

@@ -74,6 +74,18 @@ TEST(Charts, AllHavePointsACaptionAndAPicture) {
     }
 }
 
+/// By counted work of rays, of which the sensor sees a prediction only.
+TEST(Charts, RebuildsByTheSensorTakeAtMostTwiceTheBestChoice) {
+    const Chart chart = make("policy");
+    for (const char* const motion : {"ripple", "walk", "twist", "explosion"}) {
+        const auto y = [&](const char* series, double x) { return chart.point(motion, series, x).y.median; };
+        for (const char* const series : {"always refitted", "always rebuilt", "by the sensor"})
+            EXPECT_GE(y(series, 1.0), 1.0) << motion << ", " << series;
+        EXPECT_LE(y("by the sensor", 1.0), 2.0) << motion;
+        EXPECT_LE(y("by the sensor", 64.0), 1.05 * y("always refitted", 64.0)) << motion;
+    }
+}
+
 /// Both are greedy, and neither is the better one everywhere: over boxes scattered evenly, trees of the exact form cost up
 /// to 6 % more than those of the fast one, less over few.
 TEST(Charts, ExactAndFastClusteringAreWorthNearlyTheSame) {

@@ -40,7 +40,9 @@ void expect_no_allocation(const char* name, double settling_rays, double measure
     EXPECT_EQ(allocation_count, 0u);
     EXPECT_GT(stats.refitted + stats.rebuilt + stats.kept, 0u);
     EXPECT_GE(stats.rebuilt, content.write ? uint32_t(kFrames - 1) : 0u) << "meshes that are written";
-    if (measured_rays > 0.0 && is_any_refitted) EXPECT_GT(stats.rebuilt, 0u);
+    if (measured_rays > 0.0 && is_any_refitted) {
+        EXPECT_GT(stats.rebuilt, 0u);
+    }
     set_thread_count(0);
 }
 
