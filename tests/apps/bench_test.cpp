@@ -234,6 +234,7 @@ TEST(Bench, TreesAreComparedAndAgree) {
             const Json& binary = row["binary"];
             EXPECT_GT(binary["sah"], 1.0);
             EXPECT_GT(binary["epo"], 0.0);
+            EXPECT_FALSE(binary["epo_is_sampled"]);
             EXPECT_GE(binary["depth"], row["depth"]);
             EXPECT_EQ(binary["references"].get<uint64_t>() - binary["duplicates"].get<uint64_t>(), scene["triangles"]);
             EXPECT_GE(row["nodes_per_ray"], 1.0);
