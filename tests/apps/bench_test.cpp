@@ -53,6 +53,8 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     expect_refused(folder, {"default", "rigid-0"}, 2, "rigid-0");
     expect_refused(folder, {"--threads", "0"}, 2, "--threads");
     expect_refused(folder, {"--threads", "many"}, 2, "--threads");
+    for (const char* const option : {"--threads", "--frames", "--repeats", "--size", "--peer", "--json"})
+        expect_refused(folder, small({option, ""}), 2, std::string(option) + ": its value is empty");
     expect_refused(folder, {"--frames", "0"}, 2, "--frames");
     expect_refused(folder, {"--repeats", "0"}, 2, "--repeats");
     expect_refused(folder, {"--size", "0x10"}, 2, "--size");
