@@ -9,15 +9,20 @@
 namespace zoe {
 namespace {
 
-/// FLT_LARGE of Embree's sources: what is below can be squared and summed in float.
-constexpr double kLargest = 1.844e18;
+/// Embree's own limit, FLT_LARGE, is 1.844e18: room is left for how it rounds on the way into an instance.
+constexpr double kLargest = 1.84e18;
+
+/// NaN where either is.
+double larger(double a, double b) {
+    return b <= a || std::isnan(a) ? a : b;
+}
 
 double largest(const glm::vec3& v) {
-    return std::max({std::abs(double{v.x}), std::abs(double{v.y}), std::abs(double{v.z})});
+    return larger(larger(std::abs(double{v.x}), std::abs(double{v.y})), std::abs(double{v.z}));
 }
 
 double largest(const Aabb& box) {
-    return std::max(largest(box.lo), largest(box.hi));
+    return larger(largest(box.lo), largest(box.hi));
 }
 
 /// Refuses NaN, too.
@@ -27,15 +32,11 @@ void require(double size, const char* what) {
                                          kLargest, what, size));
 }
 
-/// The greatest of |v|, NaN where any is.
+/// The largest of all items; NaN where one is.
 template <typename Items, typename Size>
 double greatest(const Items& items, Size&& size) {
     double most = 0.0;
-    for (const auto& item : items) {
-        const double here = size(item);
-        if (!(here <= most)) most = here;
-        if (std::isnan(most)) break;
-    }
+    for (const auto& item : items) most = larger(most, size(item));
     return most;
 }
 
@@ -57,9 +58,9 @@ EmbreeReach reach_into(const Tlas& tlas) {
 }
 
 void require_in_embree_range(const Tlas& tlas) {
-    require(greatest(tlas.instances,
-                     [](const Instance& i) { return std::max(largest(i.bounds_local), largest(i.bounds_world)); }),
-            "a vertex");
+    require(
+        greatest(tlas.instances, [](const Instance& i) { return larger(largest(i.bounds_local), largest(i.bounds_world)); }),
+        "a vertex");
 }
 
 void require_in_embree_range(std::span<const glm::vec3> positions) {

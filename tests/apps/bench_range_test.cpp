@@ -1,5 +1,7 @@
 // Scenes that are too far for Embree, and not for the engine.
 
+#include <cmath>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/bench/peer_embree.h"
+#include "content/shapes.h"
+#include "engine/math/parallel.h"
 #include "tests/apps/run_program.h"
 #include "tests/apps/small_scene.h"
 #include "tests/support/temp_folder.h"
@@ -50,6 +54,29 @@ TEST(Bench, WhatIsBeyondEmbreesRangeIsRefusedInALineAndNotByEmbree) {
     std::vector<std::string> near = play;
     near.insert(near.end(), {"--peer", "embree"});
     EXPECT_EQ(run_bench(folder, near).exit_code, 0);
+}
+
+TEST(Bench, ARayThatIsBeyondEmbreesRangeInsideOfAnInstanceIsRefusedToo) {
+    if (!is_embree_available()) GTEST_SKIP() << "built without Embree";
+    Scene scene;
+    Node node;
+    node.mesh = scene.add(make_grid(2, 2, 1.0f, 1.0f));
+    node.local.scale = glm::vec3(1e-3f);
+    scene.add(node);
+    const Tlas& tlas = advance(scene, 0.0);
+    ASSERT_FALSE(tlas.instances.at(0).is_identity);
+    EmbreePeer peer({.layout = EmbreeConfig::Layout::kInstances}, thread_count());
+    peer.update(scene, tlas);
+    const auto trace = [&](const Ray& ray) {
+        Hit hit;
+        uint8_t is_hit = 0;
+        peer.closest_hits({&ray, 1}, RayKind::kPrimary, {&hit, 1});
+        peer.any_hits({&ray, 1}, RayKind::kShadow, {&is_hit, 1});
+    };
+    EXPECT_NO_THROW(trace({.origin = {0, 1e14f, 0}, .direction = {0, -1, 0}}));
+    EXPECT_THROW(trace({.origin = {0, 1e16f, 0}, .direction = {0, -1, 0}}), std::runtime_error);
+    EXPECT_THROW(trace({.origin = {0, 1, 0}, .direction = {0, -1e16f, 0}}), std::runtime_error);
+    EXPECT_THROW(trace({.origin = {0, std::nanf(""), 0}, .direction = {0, -1, 0}}), std::runtime_error);
 }
 
 }  // namespace
