@@ -57,6 +57,7 @@ public:
 
     EmbreePeer::UpdateTimes update(const Scene& scene, const Tlas& tlas) override {
         copy_changes(scene);
+        reach_ = reach_into(tlas);
         EmbreePeer::UpdateTimes times;
         Stopwatch watch;
         commit_bottoms();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/bench/embree_device.h"
+#include "apps/bench/embree_range.h"
 #include "apps/bench/peer_embree.h"
 
 namespace zoe {
@@ -13,6 +14,7 @@ namespace zoe {
 struct EmbreeTarget {
     RTCScene scene;
     std::span<const NodeId> nodes;  ///< Of an instance's id, or of a geometry's where the hit is not in an instance.
+    EmbreeReach reach = {};
 };
 
 /// A scene as Embree holds it, by one of the layouts. Made for one frame state of the scene.
@@ -23,11 +25,12 @@ public:
     /// As EmbreePeer's. Every frame that `advance` made must be shown to it, in order.
     virtual EmbreePeer::UpdateTimes update(const Scene& scene, const Tlas& tlas) = 0;
 
-    EmbreeTarget target() const { return {top_.get(), nodes_}; }
+    EmbreeTarget target() const { return {top_.get(), nodes_, reach_}; }
 
 protected:
     EmbreeScene top_;
     std::vector<NodeId> nodes_;  ///< [shape_count] ids are positions of shapes.
+    EmbreeReach reach_;          ///< Into this frame's instances.
 };
 
 /// Requires   an `advance` of the scene before.

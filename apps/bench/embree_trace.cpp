@@ -119,6 +119,7 @@ void for_all(size_t count, One&& one) {
 double EmbreeTracer::closest_hits(const EmbreeTarget& target, std::span<const Ray> rays, EmbreeRays form,
                                   std::span<Hit> hits) {
     assert(rays.size() == hits.size());
+    require_in_embree_range(rays, target.reach);
     const RTCScene scene = target.scene;
     if (form == EmbreeRays::kSingle) {
         closest_.resize(rays.size());
@@ -161,6 +162,7 @@ double EmbreeTracer::closest_hits(const EmbreeTarget& target, std::span<const Ra
 double EmbreeTracer::any_hits(const EmbreeTarget& target, std::span<const Ray> rays, EmbreeRays form,
                               std::span<uint8_t> is_hit) {
     assert(rays.size() == is_hit.size());
+    require_in_embree_range(rays, target.reach);
     const RTCScene scene = target.scene;
     // A ray that hits something comes back with a far end of minus infinity.
     constexpr float kHitMark = -std::numeric_limits<float>::infinity();

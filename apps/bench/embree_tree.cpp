@@ -45,6 +45,7 @@ PeerTree::PeerTree(Quality quality, bool is_robust, std::span<const glm::vec3> p
                    std::span<const glm::uvec3> corners, int threads)
     : state_(std::make_unique<State>(quality, is_robust, threads)) {
     State& state = *state_;
+    require_in_embree_range(positions);
     state.mesh.resize(corners, positions.size());
     std::ranges::copy(positions, state.mesh.vertices().begin());
     rtcAttachGeometryByID(state.scene.get(), state.mesh.geometry(), 0);

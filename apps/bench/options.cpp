@@ -1,7 +1,5 @@
 #include "apps/bench/options.h"
 
-#include <utility>
-
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -83,16 +81,6 @@ void require(bool holds, const std::string& message) {
     if (!holds) throw UsageError(message);
 }
 
-void check_files(const CLI::App& app, const Options& options) {
-    const std::pair<const char*, const std::optional<std::string>&> files[] = {{"--json", options.json},
-                                                                               {"--csv", options.csv},
-                                                                               {"--disagreements", options.disagreements},
-                                                                               {"--write-hashes", options.written_hashes},
-                                                                               {"--expect-hashes", options.expected_hashes}};
-    for (const auto& [name, file] : files)
-        require(!app.count(name) || !file.value_or("").empty(), fmt::format("{}: the file's name is empty", name));
-}
-
 }  // namespace
 
 std::optional<Options> parse_options(int argc, char** argv) {
@@ -122,7 +110,6 @@ std::optional<Options> parse_options(int argc, char** argv) {
     for (const char* const name :
          {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes", "--peer-quality", "--peer-two-level"})
         require(!app.count(name) || !options.compares_trees, fmt::format("{} does not go with --trees", name));
-    check_files(app, options);
     return options;
 }
 

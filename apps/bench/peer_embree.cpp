@@ -57,6 +57,7 @@ EmbreePeer::~EmbreePeer() = default;
 
 EmbreePeer::UpdateTimes EmbreePeer::update(const Scene& scene, const Tlas& tlas) {
     State& state = *state_;
+    require_in_embree_range(tlas);
     if (state.frame != scene.frame) {
         state.layout.reset();
         const auto make =

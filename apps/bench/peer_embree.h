@@ -69,7 +69,7 @@ public:
     /// program made for Embree would have deformed into those.
     /// scene, tlas  as the last `advance` left them; they stay with the caller.
     /// Requires   a call after every `advance`: what changed is told from one frame to the next.
-    /// Throws     std::runtime_error where Embree reports an error.
+    /// Throws     std::runtime_error where Embree reports an error, or a vertex is beyond its range.
     UpdateTimes update(const Scene& scene, const Tlas& tlas);
 
     /// Traces in tasks of kRaysATask, as many threads as told. Rays and hits are put into and out of Embree's form outside
@@ -78,7 +78,8 @@ public:
     /// rays       finite; directions other than 0.
     /// hits       [ray_count]
     /// Returns    ms.
-    /// Throws     std::logic_error before the first `update`.
+    /// Throws     std::logic_error before the first `update`; std::runtime_error where a ray is beyond Embree's range;
+    ///            Interrupted.
     double closest_hits(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits);
     /// is_hit     [ray_count] 1 or 0.
     double any_hits(std::span<const Ray> rays, RayKind kind, std::span<uint8_t> is_hit);

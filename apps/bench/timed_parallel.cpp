@@ -1,6 +1,7 @@
 #include "apps/bench/timed_parallel.h"
 
 #include "apps/bench/stopwatch.h"
+#include "apps/common/interrupt.h"
 #include "engine/math/parallel.h"
 
 // A few instructions that do nothing where no valgrind watches; no library.
@@ -17,9 +18,12 @@ namespace zoe {
 double timed_parallel(size_t count, size_t grain, const std::function<void(size_t, size_t)>& work) {
     CALLGRIND_START_INSTRUMENTATION;
     Stopwatch watch;
-    parallel_for(0, count, grain, work);
+    parallel_for(0, count, grain, [&](size_t begin, size_t end) {
+        if (!is_interrupted()) work(begin, end);
+    });
     const double ms = watch.restart_ms();
     CALLGRIND_STOP_INSTRUMENTATION;
+    if (is_interrupted()) throw Interrupted("interrupted");
     return ms;
 }
 

@@ -8,8 +8,8 @@
 
 #include "apps/bench/stopwatch.h"
 #include "apps/bench/timed_parallel.h"
+#include "apps/common/interrupt.h"
 #include "apps/common/lone_blas.h"
-#include "engine/bvh/epo.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
@@ -17,7 +17,14 @@ namespace {
 
 /// A method that took longer than this is not repeated.
 constexpr double kLongBuild_ms = 1000.0;
+/// A tree whose end-point overlap takes more walks than this through nodes has it estimated: of copies of one triangle,
+/// each is in every node.
+constexpr uint64_t kMostEpoVisits = 500'000'000;
 constexpr std::string_view kSingle = "single";
+
+void stop_if_interrupted() {
+    if (is_interrupted()) throw Interrupted("interrupted");
+}
 
 const char* name(EmbreeRays form) {
     constexpr std::array names = {kSingle.data(), "packets", "coherent packets"};
@@ -35,6 +42,7 @@ public:
             build_blas(mesh.positions(), mesh.corners(), builder, &blas_, &scratch);
             const double ms = watch.restart_ms();
             row.build_ms = repeat == 0 ? ms : std::min(row.build_ms, ms);
+            stop_if_interrupted();
             if (ms > kLongBuild_ms) break;
         }
         row.byte_count = blas_.byte_count();
@@ -49,7 +57,10 @@ public:
     TraverseCounts count(std::span<const Ray> rays) const {
         TraverseCounts counts;
         RawHit hit;
-        for (const Ray& ray : rays) closest_hits(scene(), {&ray, 1}, &hit, &counts);
+        for (const Ray& ray : rays) {
+            stop_if_interrupted();
+            closest_hits(scene(), {&ray, 1}, &hit, &counts);
+        }
         return counts;
     }
 
@@ -86,7 +97,8 @@ private:
         std::vector<Triangle> triangles;
         triangles.reserve(bvh.primitives.size());
         for (const uint32_t primitive : bvh.primitives) triangles.push_back(mesh.triangle(primitive));
-        row.epo = epo_cost(bvh, triangles);
+        row.epo = epo(bvh, triangles, {.max_visits = kMostEpoVisits, .cancel = &is_interrupted()});
+        stop_if_interrupted();
     }
     TwoLevels scene() const { return frame_->levels(); }
 

@@ -11,6 +11,7 @@
 #include "apps/bench/play.h"
 #include "apps/bench/ray_kind.h"
 #include "engine/bvh/blas.h"
+#include "engine/bvh/epo.h"
 #include "engine/bvh/tree_stats.h"
 
 namespace zoe {
@@ -26,7 +27,7 @@ struct TreeRow {
     double sah = 0.0;                     ///< Of the form that is traversed: 1 a node, 1 a block of triangles.
     int depth = 0;                        ///< Levels of that form.
     TreeStats binary;                     ///< Of the tree that it was made of.
-    double epo = 0.0;                     ///< Of that one, too.
+    Epo epo;                              ///< Of that one, too.
     double nodes = 0.0, triangles = 0.0;  ///< That a primary or diffuse ray tests.
 
     std::array<double, kRayKindCount> trace_ms{};  ///< By kind, in the way of handing rays over that takes least.

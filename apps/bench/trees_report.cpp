@@ -170,7 +170,8 @@ std::string trees_json(const std::vector<TreeComparison>& comparisons,
                 json["sah"] = row.sah;
                 json["depth"] = row.depth;
                 json["binary"] = {{"sah", row.binary.sah},
-                                  {"epo", row.epo},
+                                  {"epo", row.epo.cost},
+                                  {"epo_is_sampled", row.epo.is_sampled},
                                   {"depth", row.binary.depth},
                                   {"references", row.binary.reference_count},
                                   {"duplicates", row.binary.duplicate_count},

@@ -60,7 +60,6 @@ std::optional<Options> parse_options(int argc, char** argv) {
         throw UsageError(fmt::format("--peer {}: embree or none", peer));
     if (peer == "embree" && !is_embree_available())
         throw UsageError("--peer embree: this program was built without Embree (Debian: apt-get install libembree-dev)");
-    if (options.out.empty()) throw UsageError("--out: the folder's name is empty");
     options.has_peer = peer != "none" && is_embree_available();
     for (const std::string& chart : options.charts) find_chart(chart);
     return options;

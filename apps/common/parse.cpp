@@ -60,9 +60,9 @@ glm::dvec3 parse_point(std::string_view text, const std::string& option) {
         const size_t comma = axis < 2 ? rest.find(',') : rest.size();
         const std::optional<double> value =
             comma == std::string_view::npos ? std::nullopt : parse_number(rest.substr(0, comma));
-        // Far beyond any scene, squared distances no longer fit a float.
-        if (!value || std::abs(*value) > 1e15)
-            throw UsageError(fmt::format("{} {}: give X,Y,Z in metres, such as 0,1.5,4", option, text));
+        if (!value) throw UsageError(fmt::format("{} {}: give X,Y,Z in metres, such as 0,1.5,4", option, text));
+        if (std::abs(*value) > kMaxPlace)
+            throw UsageError(fmt::format("{} {}: too far; at most {:g} metres along each axis", option, text, kMaxPlace));
         point[axis] = *value;
         if (axis < 2) rest.remove_prefix(comma + 1);
     }

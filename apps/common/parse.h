@@ -35,6 +35,9 @@ inline constexpr int kMaxFrameCount = 1'000'000;
 FrameRange parse_frames(std::string_view text);
 /// "640x360".
 PictureSize parse_size(std::string_view text);
+/// A place farther than this along an axis is refused: squared distances would not fit a float.
+inline constexpr double kMaxPlace = 1e18;
+
 /// "1,2.5,-3". option  Its name, for the message.
 glm::dvec3 parse_point(std::string_view text, const std::string& option);
 

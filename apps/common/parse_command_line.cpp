@@ -16,6 +16,11 @@ bool parse_command_line(CLI::App& app, int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         throw UsageError(fmt::format("{}; --help lists the options", error.what()));
     }
+    // What reads numbers takes nothing for 0.
+    for (const CLI::Option* option : app.get_options()) {
+        if (option->count() > 0 && option->results().back().empty())
+            throw UsageError(fmt::format("{}: its value is empty", option->get_name()));
+    }
     return true;
 }
 

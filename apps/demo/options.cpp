@@ -1,7 +1,5 @@
 #include "apps/demo/options.h"
 
-#include <utility>
-
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -107,11 +105,13 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
         ->capture_default_str()
         ->group(rest);
     app.add_option("--cache", texts.cache,
-                   "Keep trees that take long to build in this folder, up to 1 GiB (~/.cache/zoetrope)")
+                   "Keep trees that take long to build in this folder, up to 1 GiB ($XDG_CACHE_HOME/zoetrope, or "
+                   "~/.cache/zoetrope)")
         ->type_name("DIR")
         ->group(rest);
     app.add_option("--build-budget", options.build_budget_s,
-                   "What building the trees of static and rigid nodes may take: less time, slower rays")
+                   "What building the trees of static and rigid nodes may take, as predicted from their triangles' number: "
+                   "less time, slower rays")
         ->type_name("SECONDS")
         ->capture_default_str()
         ->group(rest);
@@ -145,11 +145,6 @@ void check_view(const CLI::App& app, Options& options, const Texts& texts) {
 
 void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     if (app.count("--frames")) options.frames = parse_frames(texts.frames);
-    const std::pair<const char*, const std::optional<std::string>&> files[] = {
-        {"--stats", options.stats}, {"--trace", options.trace}, {"--screenshot", options.screenshot}};
-    for (const auto& [name, file] : files)
-        require(!app.count(name) || !file.value_or("").empty(), fmt::format("{}: the file's name is empty", name));
-    require(!app.count("--out") || !texts.out.empty(), "--out: the file's name is empty");
     if (app.count("--out")) options.out = NumberedPath(texts.out);
     const std::string extension = options.out.extension();
     require(extension == ".png" || extension == ".exr", fmt::format("--out {}: the name ends in .png or .exr", texts.out));
@@ -175,7 +170,6 @@ std::optional<Options> parse_options(int argc, char** argv) {
     require(!flags.loops || !flags.stays, "--loop and --no-loop: give one of them");
     options.is_looping = !flags.stays;
     require(!flags.has_no_cache || !app.count("--cache"), "--cache and --no-cache: give one of them");
-    require(!app.count("--cache") || !texts.cache.empty(), "--cache: the folder's name is empty");
     if (app.count("--cache")) options.cache = texts.cache;
     if (flags.has_no_cache) options.cache.clear();
     if (app.count("--size")) options.size = parse_size(texts.size);

@@ -226,6 +226,12 @@ TEST(BadUsage, EachBadOptionIsOneLineAndCodeTwo) {
         {"--stats", ""},
         {"--trace", ""},
         {"--cache", ""},
+        {"--spp", ""},
+        {"--fps", ""},
+        {"--threads", ""},
+        {"--build-budget", ""},
+        {"--after", ""},
+        {"--spp", "4", "--spp", ""},
         {"--cache", "trees", "--no-cache"},
     };
     for (const std::vector<std::string>& options : cases) {

@@ -53,6 +53,8 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     expect_refused(folder, {"default", "rigid-0"}, 2, "rigid-0");
     expect_refused(folder, {"--threads", "0"}, 2, "--threads");
     expect_refused(folder, {"--threads", "many"}, 2, "--threads");
+    for (const char* const option : {"--threads", "--frames", "--repeats", "--size", "--peer", "--json"})
+        expect_refused(folder, small({option, ""}), 2, std::string(option) + ": its value is empty");
     expect_refused(folder, {"--frames", "0"}, 2, "--frames");
     expect_refused(folder, {"--repeats", "0"}, 2, "--repeats");
     expect_refused(folder, {"--size", "0x10"}, 2, "--size");
@@ -234,6 +236,7 @@ TEST(Bench, TreesAreComparedAndAgree) {
             const Json& binary = row["binary"];
             EXPECT_GT(binary["sah"], 1.0);
             EXPECT_GT(binary["epo"], 0.0);
+            EXPECT_FALSE(binary["epo_is_sampled"]);
             EXPECT_GE(binary["depth"], row["depth"]);
             EXPECT_EQ(binary["references"].get<uint64_t>() - binary["duplicates"].get<uint64_t>(), scene["triangles"]);
             EXPECT_GE(row["nodes_per_ray"], 1.0);

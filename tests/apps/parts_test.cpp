@@ -47,7 +47,14 @@ TEST(Parse, FramesSizesAndPoints) {
     EXPECT_THROW(parse_frames("+1-2"), UsageError);
     EXPECT_THROW(parse_point("1,2,3,4", "--eye"), UsageError);
     EXPECT_THROW(parse_point("1,2,inf", "--eye"), UsageError);
-    EXPECT_THROW(parse_point("1e30,0,0", "--eye"), UsageError);
+    EXPECT_EQ(parse_point("0,0,25e15", "--eye").z, 25e15);
+    EXPECT_EQ(parse_point("0,-1e18,0", "--eye").y, -1e18);
+    try {
+        parse_point("1e30,0,0", "--eye");
+        FAIL() << "taken";
+    } catch (const UsageError& error) {
+        EXPECT_NE(std::string(error.what()).find("too far"), std::string::npos) << error.what();
+    }
 }
 
 TEST(Percentile, IsTheNearestRank) {

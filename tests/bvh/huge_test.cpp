@@ -71,8 +71,8 @@ bool expect_hit_right(const BruteForce& oracle, const Ray& ray, const BlasHit& h
         return c.triangle == hit.primitive && c.t_lo <= hit.t && hit.t <= c.t_hi;
     };
     const auto is_nearer = [&](const Candidate& c) { return c.is_sure && !(c.t_hi >= hit.t); };
-    if (is_hit) EXPECT_TRUE(std::ranges::any_of(candidates, is_this)) << to_string(hit);
-    if (!may_miss) EXPECT_FALSE(std::ranges::any_of(candidates, is_nearer)) << to_string(hit);
+    EXPECT_TRUE(!is_hit || std::ranges::any_of(candidates, is_this)) << to_string(hit);
+    EXPECT_TRUE(may_miss || std::ranges::none_of(candidates, is_nearer)) << to_string(hit);
     return is_hit;
 }
 
@@ -115,7 +115,7 @@ TEST(Huge, AsFarAsFloatsGoHitsAreRightAndTheSameInEveryTree) {
             });
             int hit_count = 0;
             for (const Ray& ray : rays) hit_count += expect_hit_right(oracle, ray, closest_hit(blas, ray), true);
-            if (size < 1e37f) EXPECT_GT(hit_count, 20);
+            EXPECT_GT(hit_count, size < 1e37f ? 20 : -1);
         }
     }
 }
