@@ -30,7 +30,7 @@ constexpr const char* kProgram = "zoetrope-bench";
 constexpr size_t kMaxWritten = 100;
 
 int fail(int exit_code, const std::string& message) {
-    fmt::print(stderr, "{}: {}\n", kProgram, one_line(message));
+    std::fputs(fmt::format("{}: {}\n", kProgram, one_line(message)).c_str(), stderr);  // fmt::print throws on a full disk
     return exit_code;
 }
 

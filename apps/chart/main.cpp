@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kProgram = "zoetrope-chart";
 
 int fail(int exit_code, const std::string& message) {
-    fmt::print(stderr, "{}: {}\n", kProgram, one_line(message));
+    std::fputs(fmt::format("{}: {}\n", kProgram, one_line(message)).c_str(), stderr);  // fmt::print throws on a full disk
     return exit_code;
 }
 

@@ -16,7 +16,8 @@ namespace {
 constexpr const char* kProgram = "zoetrope-demo";
 
 int fail(int exit_code, const std::string& message) {
-    fmt::print(stderr, "{}: {}\n", kProgram, zoe::one_line(message));
+    std::fputs(fmt::format("{}: {}\n", kProgram, zoe::one_line(message)).c_str(),
+               stderr);  // fmt::print throws on a full disk
     return exit_code;
 }
 

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "engine/scene/error.h"
+#include "engine/scene/jpeg_strip.h"
 #include "engine/scene/png_check.h"
 
 namespace zoe {
@@ -122,6 +123,11 @@ bool decode_image(std::span<const std::byte> encoded, Image* image, std::string*
     const char* format = format_of(encoded);
     if (format == nullptr) return fail("not a picture of a known format");
     if (std::string_view(format) == "png" && !is_whole_png(encoded)) return fail("a truncated or damaged PNG");
+    std::vector<std::byte> stripped;
+    if (std::string_view(format) == "jpeg") {
+        stripped = without_metadata(encoded);
+        encoded = stripped;
+    }
     try {
         OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(encoded.data()), encoded.size());
         OIIO::ImageSpec config;

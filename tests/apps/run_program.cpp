@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -12,8 +13,6 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
-
-#include "tests/support/temp_folder.h"
 
 extern char** environ;
 
@@ -49,10 +48,9 @@ std::vector<std::string> changed_environment(const std::vector<std::string>& cha
 
 }  // namespace
 
-Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder,
-                    const std::vector<std::string>& environment) {
-    const TempFolder temp;
-    const std::string out = temp / "out", err = temp / "err";
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments, const std::string& folder,
+                               const std::vector<std::string>& environment) {
+    const std::string out = temp_ / "out", err = temp_ / "err";
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -63,25 +61,53 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
     std::vector<std::string> changes = environment;
     const bool is_told = std::any_of(environment.begin(), environment.end(),
                                      [](const std::string& change) { return change.starts_with("XDG_CACHE_HOME"); });
-    if (!is_told) changes.push_back("XDG_CACHE_HOME=" + (temp / "cache").native());
+    if (!is_told) changes.push_back("XDG_CACHE_HOME=" + (temp_ / "cache").native());
     const std::vector<std::string> variables = changed_environment(changes);
-    pid_t pid = -1;
     const int error =
-        posix_spawnp(&pid, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(), pointers(variables).data());
+        posix_spawnp(&pid_, arguments[0].c_str(), &actions, nullptr, pointers(arguments).data(), pointers(variables).data());
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) throw std::runtime_error("cannot start " + arguments[0]);
+}
 
+RunningProgram::~RunningProgram() {
+    if (pid_ < 0) return;
+    send(SIGKILL);
+    wait();
+}
+
+void RunningProgram::send(int signal) const {
+    kill(pid_, signal);
+}
+
+bool RunningProgram::catches(int signal) const {
+    const std::string status = read_text("/proc/" + std::to_string(pid_) + "/status");
+    const size_t at = status.find("SigCgt:");
+    if (at == std::string::npos) return false;
+    return (std::stoull(status.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
+}
+
+Outcome RunningProgram::wait() {
     int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
     }
-    Outcome outcome{WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), read_text(out), read_text(err)};
-    return outcome;
+    pid_ = -1;
+    return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), read_text(temp_ / "out"),
+            read_text(temp_ / "err")};
+}
+
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder,
+                    const std::vector<std::string>& environment) {
+    return RunningProgram(arguments, folder, environment).wait();
+}
+
+std::vector<std::string> demo_command(const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {ZOETROPE_DEMO};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return all;
 }
 
 Outcome run_demo(const std::string& folder, const std::vector<std::string>& arguments) {
-    std::vector<std::string> all = {ZOETROPE_DEMO};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    return run_program(all, folder, {"DISPLAY", "WAYLAND_DISPLAY"});
+    return run_program(demo_command(arguments), folder, kNoDisplay);
 }
 
 std::vector<std::string> list_files(const std::string& folder) {

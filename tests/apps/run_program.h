@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temp_folder.h"
+
 namespace zoe::test {
 
 /// What a program left behind.
@@ -11,12 +13,38 @@ struct Outcome {
     std::string out, err;
 };
 
-/// Runs a program without a shell and waits for its end. What it caches is gone after it.
-/// arguments    The program, looked up in PATH, and what follows it.
-/// folder       It starts there.
-/// environment  "NAME=value" to set beside what is there; "NAME" to leave out.
+/// A program that was started without a shell, and runs beside the test. What it caches is gone after it.
+class RunningProgram {
+public:
+    /// arguments    The program, looked up in PATH, and what follows it.
+    /// folder       It starts there.
+    /// environment  "NAME=value" to set beside what is there; "NAME" to leave out.
+    RunningProgram(const std::vector<std::string>& arguments, const std::string& folder,
+                   const std::vector<std::string>& environment = {});
+    /// Ends it where it still runs.
+    ~RunningProgram();
+    RunningProgram(const RunningProgram&) = delete;
+    RunningProgram& operator=(const RunningProgram&) = delete;
+
+    void send(int signal) const;
+    /// Whether it has asked to handle a signal by itself.
+    bool catches(int signal) const;
+    /// Waits for its end.
+    Outcome wait();
+
+private:
+    const TempFolder temp_;
+    int pid_ = -1;
+};
+
+/// Runs a program as RunningProgram does, and waits for its end.
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder,
                     const std::vector<std::string>& environment = {});
+
+/// The program and what follows it, of zoetrope-demo.
+std::vector<std::string> demo_command(const std::vector<std::string>& arguments);
+/// What the environment must not have, so that no window opens.
+inline const std::vector<std::string> kNoDisplay = {"DISPLAY", "WAYLAND_DISPLAY"};
 
 /// Runs zoetrope-demo in a folder, without a display.
 Outcome run_demo(const std::string& folder, const std::vector<std::string>& arguments);
