@@ -18,6 +18,7 @@ constexpr std::array kCharts = {
     ChartInfo{"triangle", "What does a triangle test cost that misses no edge, and how exact is its t?", triangle},
     ChartInfo{"far", "How far from the origin do rays still hit what they should?", far},
     ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
+    ChartInfo{"clip", "What does a tree gain that is built for a whole clip, and not for its first frame?", clip},
     ChartInfo{"picture", "How fast does the noise of a picture go, and what do bounces add that are not followed?", picture},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
     ChartInfo{"policy", "How much must a refitted tree have lost before it is rebuilt?", policy},

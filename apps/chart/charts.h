@@ -17,6 +17,7 @@ Chart pays_off(Sweep& sweep);
 Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);
 Chart degradation(Sweep& sweep);
+Chart clip(Sweep& sweep);
 Chart picture(Sweep& sweep);
 Chart skinning(Sweep& sweep);
 Chart policy(Sweep& sweep);
