@@ -78,8 +78,8 @@ TEST_P(Interrupt, ALongFrameEndsWithinATenthOfASecond) {
     write_small_scene(folder, small_scene());
     std::chrono::duration<double, std::milli> quickest(1e9);
     for (int tries = 0; tries < 5 && quickest.count() > 100.0; ++tries) {
-        RunningProgram demo(demo_command({"scene.gltf", "--headless", "--frames", "0", "--size", "1280x720",
-                                          "--spp", "65536", "--out", "out/frame_%05d.png"}),
+        RunningProgram demo(demo_command({"scene.gltf", "--headless", "--frames", "0", "--size", "1280x720", "--spp",
+                                          "65536", "--out", "out/frame_%05d.png"}),
                             folder.path(), kNoDisplay);
         ASSERT_TRUE(wait_until([&] { return demo.catches(GetParam()); }));
         std::this_thread::sleep_for(std::chrono::milliseconds(50 + 37 * tries));  // Somewhere in the frame.
