@@ -21,6 +21,8 @@ constexpr std::array kCharts = {
     ChartInfo{"clip", "What does a tree gain that is built for a whole clip, and not for its first frame?", clip},
     ChartInfo{"picture", "How fast does the noise of a picture go, and what do bounces add that are not followed?", picture},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
+    ChartInfo{"subdivision", "How far are triangles from the surface that a cage stands for, and what does nearer cost?",
+              subdivision},
     ChartInfo{"policy", "How much must a refitted tree have lost before it is rebuilt?", policy},
     ChartInfo{"threads", "What does each stage of a frame gain from more threads?", threads},
 };

@@ -20,6 +20,7 @@ Chart degradation(Sweep& sweep);
 Chart clip(Sweep& sweep);
 Chart picture(Sweep& sweep);
 Chart skinning(Sweep& sweep);
+Chart subdivision(Sweep& sweep);
 Chart policy(Sweep& sweep);
 Chart threads(Sweep& sweep);
 

@@ -55,6 +55,13 @@ constexpr std::array kStyles = {
     Style{"linear blend", kOrange, kSquare, true},
     Style{"dual quaternion", kBlue, kCircle, true},
     Style{"memcpy", kGrey, kCross, true},
+    // Cages of subdivision surfaces.
+    Style{"ring", kBlue, kCircle, true},
+    Style{"ring, not at the limit", kBlue, kOpenCircle, true},
+    Style{"figure", kOrange, kSquare, true},
+    Style{"figure, not at the limit", kOrange, kOpenSquare, true},
+    Style{"ball, Loop", kGreen, kTriangle, true},
+    Style{"ball, Loop, not at the limit", kGreen, kOpenTriangle, true},
     // Motions.
     Style{"ripple", kBlue, kCircle, true},
     Style{"walk", kGreen, kTriangle, true},

@@ -18,12 +18,10 @@ struct PosesConfig {
 /// boxes      [pose_count * primitive_count] those of a pose, then those of the next; empty or non-finite boxes are kept out
 ///            of bounds but stay in the tree.
 /// Returns    a tree whose boxes are those of the first pose.
-/// Cost       O(pose_count^2 * n log n), in parallel over subtrees; the same tree whatever the number of threads. For
-/// loading,
-///            not for frames. 32 bytes a box of scratch memory.
+/// Cost       O(pose_count^2 * n log n), in parallel over subtrees; the same tree on any number of threads. For loading, not
+///            for frames. 32 bytes a box of scratch memory.
 /// Source     Bittner, Meister. T-SAH: Animation Optimized Bounding Volume Hierarchies. CGF 34 (EG 2015): the cost.
-/// Deviation:
-///            binned from the top down (Wald 2007) instead of optimised by reinsertion.
+///            Deviation: binned from the top down (Wald 2007) instead of optimised by reinsertion.
 Bvh build_poses(std::span<const Aabb> boxes, size_t pose_count, const PosesConfig& config = {});
 
 }  // namespace zoe

@@ -10,6 +10,10 @@ namespace {
 
 constexpr size_t kLookedAt = 512;  // Triangles of a large mesh, that stand for all.
 
+// New trees of one mesh differ by as much from pose to pose, and those that are built in a frame from those that took
+// longer: a tree that seems to cost so much more than it did may be as good as any.
+constexpr double kSame = 1.1;
+
 }  // namespace
 
 TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners) {
@@ -32,7 +36,8 @@ void note_refit(const TreeReading& refitted, TreeWatch* watch) {
     const TreeReading& built = watch->built;
     const bool is_smaller = refitted.triangle_area < built.triangle_area;
     const double new_cost = is_smaller ? built.cost * refitted.triangle_area / built.triangle_area : built.cost;
-    watch->ray_loss = std::max(0.0, refitted.cost - new_cost);
+    const double loss = refitted.cost - new_cost;
+    watch->ray_loss = refitted.cost > kSame * new_cost ? loss : 0.0;
 }
 
 void add_loss(double rays, TreeWatch* watch) {

@@ -37,7 +37,7 @@ void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* wa
 
 /// Estimates what a ray loses after a refit: the tree's cost, less what a new tree's would be. That is the last one's as it
 /// was built, and less by as much as the triangles have become smaller beside the root: else a tree whose first pose was a
-/// bad one would never be found wanting.
+/// bad one would never be found wanting. A tenth more counts as nothing.
 void note_refit(const TreeReading& refitted, TreeWatch* watch);
 
 /// Adds what a frame's rays lose.

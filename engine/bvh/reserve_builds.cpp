@@ -31,9 +31,9 @@ void reserve_builds(std::span<const glm::vec3> positions, std::span<const glm::u
 
 void reserve_builds(Blas* blas) {
     // First trees mostly have more blocks than binned ones, and fewer nodes where their pose was a bad one.
-    blas->tree.nodes.reserve(blas->tree.nodes.size() * 3 / 2);
-    blas->tree.level_ends.reserve(2 * blas->tree.level_ends.size());
-    blas->blocks.reserve(blas->blocks.size() * 5 / 4);
+    blas->tree.nodes.reserve(blas->tree.nodes.size() * 3 / 2 + 8);
+    blas->tree.level_ends.reserve(2 * blas->tree.level_ends.size() + 4);
+    blas->blocks.reserve(blas->blocks.size() * 5 / 4 + 8);
 }
 
 }  // namespace zoe

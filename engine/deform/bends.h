@@ -33,7 +33,7 @@ std::vector<Bend> find_bends(const Cage& cage, size_t vertex_count);
 struct Seen {
     Affine world_from_local;
     glm::vec3 eye_world{0.0f};
-    float pixels_at_1m = 1.0f;  ///< Pixels that a metre covers at a distance of a metre, in the middle of the picture.
+    float pixels_at_1m = 0.0f;  ///< Pixels that a metre covers at a distance of a metre, in the middle of the picture.
     friend bool operator==(const Seen&, const Seen&) = default;
 };
 

@@ -61,7 +61,8 @@ uint64_t count_triangles(const Cage& cage, int level);
 std::vector<glm::uvec3> split_faces(const Cage& cage);
 
 /// The finest level at which a cage's surface fits into `kMaxStencilEntries`, at most `kMaxSubdivisionLevel`; 0: there is
-/// none. Requires   that `check` of the cage is empty at some level.
+/// none.
+/// Requires   that `check` of the cage is empty at some level.
 int finest_level(const Cage& cage, size_t vertex_count);
 
 /// Tells whether a cage can be subdivided: indices in range, proper faces, at most two faces an edge and one fan of faces a

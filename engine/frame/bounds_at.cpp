@@ -32,28 +32,34 @@ Aabb bounds_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3>
     return box;
 }
 
+// Of the frame whose vertices are there; their trees do not follow.
+Aabb bounds(const Scene& scene, FrameState* state) {
+    state->shared_bounds.resize(scene.meshes.size());
+    Aabb all;
+    for (Shape& shape : state->shapes) {
+        const std::span<const glm::uvec3> corners = shape.shown->corners;
+        if (shape.blas == &shape.own_blas) {
+            if (shape.is_changed) shape.has_blas = false;
+            all.extend(bounds_world(shape, *state, bounds_of(shape.positions, corners)));
+            continue;
+        }
+        std::optional<Aabb>& shared = state->shared_bounds[index(shape.mesh)];
+        if (!shared) shared = bounds_of(shape.positions, corners);
+        all.extend(bounds_world(shape, *state, *shared));
+    }
+    return all;
+}
+
 }  // namespace
 
 Aabb bounds_at(Scene& scene, double time_s) {
     if (!std::isfinite(time_s)) throw std::invalid_argument("bounds_at: the time is not finite");
     FrameStats ignored;
-    FrameState& state = state_of(scene, &ignored);
-    const FrameInUse in_use(&state);
-    animate(scene, time_s, &state);
-    deform(scene, &state, &ignored);
-    state.shared_bounds.resize(scene.meshes.size());
-    Aabb all;
-    for (Shape& shape : state.shapes) {
-        const std::span<const glm::uvec3> corners = shape.shown->corners;
-        if (shape.blas == &shape.own_blas) {
-            if (shape.is_changed) shape.has_blas = false;
-            all.extend(bounds_world(shape, state, bounds_of(shape.positions, corners)));
-            continue;
-        }
-        std::optional<Aabb>& shared = state.shared_bounds[index(shape.mesh)];
-        if (!shared) shared = bounds_of(shape.positions, corners);
-        all.extend(bounds_world(shape, state, *shared));
-    }
+    FrameInMaking frame(scene, &ignored);
+    animate(scene, time_s, &frame.state());
+    deform(scene, &frame.state(), &ignored);
+    const Aabb all = bounds(scene, &frame.state());
+    frame.finish();
     return all;
 }
 

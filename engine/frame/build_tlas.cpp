@@ -256,7 +256,11 @@ void build_tlas(Scene& scene, FrameState* state, FrameStats* stats) {
     tlas.bounds_world = all.bounds_world;
     is_built |= open_largest(scene, state);
     warn_of_hidden(scene, *state);
-    if (is_built) build(scene.tlas_build, &tlas, &scratch);
+    if (is_built) {
+        build(scene.tlas_build, &tlas, &scratch);
+        // Other parts, of a tree that was rebuilt, may make other nodes.
+        tlas.tree.nodes.reserve(tlas.instances.size() < tlas.parts.size() ? tlas.parts.capacity() : 0);
+    }
     stats->tlas_builds += is_built;
     // One more: what brings the ray back from an instance.
     tlas.stack_size = tlas.tree.stack_size() + all.deepest + 1;

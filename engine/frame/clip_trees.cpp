@@ -42,15 +42,31 @@ std::vector<const Shape*> choose_shapes(const Scene& scene, const FrameState& st
     return chosen;
 }
 
-void add_boxes(const Shape& shape, std::span<const glm::uvec3> corners, std::vector<Aabb>* boxes) {
-    for (const glm::uvec3& t : corners) {
+}  // namespace
+
+void add_boxes(const Shape& shape, std::vector<Aabb>* boxes) {
+    for (const glm::uvec3& t : shape.shown->corners) {
         const Triangle triangle{shape.positions[t.x], shape.positions[t.y], shape.positions[t.z], 0};
         const bool is_finite = zoe::is_finite(triangle.a) && zoe::is_finite(triangle.b) && zoe::is_finite(triangle.c);
         boxes->push_back(is_finite ? bounds(triangle) : Aabb{});
     }
 }
 
-}  // namespace
+double fit(std::span<const Aabb> boxes, Bvh* tree) {
+    for (size_t k = tree->nodes.size(); k-- > 0;) {
+        BvhNode& node = tree->nodes[k];
+        Aabb box;
+        if (node.is_leaf()) {
+            for (uint32_t n = 0; n < node.count; ++n) box.extend(boxes[tree->primitives[node.first + n]]);
+        } else {
+            box = tree->nodes[node.first].bounds();
+            box.extend(tree->nodes[node.first + 1].bounds());
+        }
+        node.lo = box.lo;
+        node.hi = box.hi;
+    }
+    return sah_cost(*tree);
+}
 
 void build_clip_trees(Scene& scene, FrameState* state, FrameStats* stats) {
     const double duration_s = longest_s(scene);
@@ -71,11 +87,16 @@ void build_clip_trees(Scene& scene, FrameState* state, FrameStats* stats) {
             count = pose_count(count, triangle_count);
             if (count < 2) return;
         }
-        for (size_t k = 0; k < shapes.size(); ++k) add_boxes(*shapes[k], shapes[k]->shown->corners, &boxes[k]);
+        for (size_t k = 0; k < shapes.size(); ++k) add_boxes(*shapes[k], &boxes[k]);
     }
     state->clip_trees.resize(scene.meshes.size());
-    for (size_t k = 0; k < shapes.size(); ++k)
-        state->clip_trees[index(shapes[k]->mesh)] = build_poses(boxes[k], count, {.max_leaf_size = 8});
+    for (size_t k = 0; k < shapes.size(); ++k) {
+        ClipTree& made = state->clip_trees[index(shapes[k]->mesh)];
+        made.tree = build_poses(boxes[k], count, {.max_leaf_size = 8});
+        const size_t size = boxes[k].size() / count;
+        for (size_t pose = 0; pose < count; ++pose)
+            made.worst_cost = std::max(made.worst_cost, fit(std::span(boxes[k]).subspan(pose * size, size), &made.tree));
+    }
 }
 
 }  // namespace zoe

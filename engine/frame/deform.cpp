@@ -70,6 +70,11 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
     if (mesh.surface && shape->cage_version != mesh.surface->version) {
         shape->cage_version = mesh.surface->version;
         shape->is_changed = true;
+        // Whatever no target moves is other than it was, too.
+        for (auto* vertices :
+             {&shape->morphed_positions, &shape->morphed_normals, &shape->deformed_positions, &shape->deformed_normals}) {
+            vertices->clear();
+        }
     }
 
     const bool is_morphed = !mesh.targets.empty() && !node.sequence;
@@ -83,7 +88,7 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
     if (is_morphed) {
         auto& morphed_positions = shape->has_skin ? shape->morphed_positions : shape->deformed_positions;
         auto& morphed_normals = shape->has_skin ? shape->morphed_normals : shape->deformed_normals;
-        if (shape->is_topology_changed || shape->weights != state.weights[index(shape->node)]) {
+        if (shape->is_changed || shape->weights != state.weights[index(shape->node)]) {
             shape->weights = state.weights[index(shape->node)];
             morph_vertices(mesh, state.morph_reaches[index(mesh_id)], shape->weights, &morphed_positions, &morphed_normals);
             shape->is_changed = shape->is_deformed = true;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -32,17 +33,8 @@ const FrameState& made_state(const Scene& scene) {
     return *scene.frame;
 }
 
-}  // namespace
-
-FrameInUse::FrameInUse(FrameState* state) : state_(state) {
-    if (state_->is_in_use.exchange(true)) throw std::logic_error("advance: another thread is making a frame of this scene");
-}
-
-FrameInUse::~FrameInUse() {
-    state_->is_in_use = false;
-}
-
-FrameState& state_of(Scene& scene, FrameStats* stats) {
+// Makes the scene's state where there is none, and anew where nodes, meshes or a first write came since.
+void have_state(Scene& scene, FrameStats* stats) {
     if (scene.frame && !scene.frame->is_in_use && !fits(*scene.frame, scene)) scene.touch();
     if (!scene.frame) {
         if (const std::string problem = check(scene); !problem.empty()) {
@@ -53,19 +45,33 @@ FrameState& state_of(Scene& scene, FrameStats* stats) {
         build_clip_trees(scene, state.get(), stats);
         scene.frame = std::move(state);
     }
-    return *scene.frame;
+}
+
+}  // namespace
+
+FrameInMaking::FrameInMaking(Scene& scene, FrameStats* stats) : scene_(scene) {
+    have_state(scene, stats);
+    if (scene.frame->is_in_use.exchange(true))
+        throw std::logic_error("advance: another thread is making a frame of this scene");
+    state_ = scene.frame;
+}
+
+FrameInMaking::~FrameInMaking() {
+    state_->is_in_use = false;
+    if (!is_finished_) scene_.frame.reset();
 }
 
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {
     if (!std::isfinite(time_s)) throw std::invalid_argument("advance: the time is not finite");
     FrameStats ignored;
     FrameStats& s = stats ? *stats : ignored;
-    FrameState& state = state_of(scene, &s);
-    const FrameInUse in_use(&state);
+    FrameInMaking frame(scene, &s);
+    FrameState& state = frame.state();
     timed(&s.animate_ms, [&] { animate(scene, time_s, &state); });
     timed(&s.deform_ms, [&] { deform(scene, &state, &s); });
     timed(&s.update_blas_ms, [&] { update_blas(scene, &state, &s); });
     timed(&s.build_tlas_ms, [&] { build_tlas(scene, &state, &s); });
+    frame.finish();
     return state.tlas;
 }
 

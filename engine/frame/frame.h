@@ -34,8 +34,10 @@ struct FrameStats {
 /// Threads    any number may trace the tree, and read the scene, while none makes its next frame or edits it; scenes that
 ///            share nothing but a TreeCache may be played in threads of their own. Who traces is not watched, that would
 ///            cost each ray: whoever calls waits for them first. A second thread that makes a frame of the same scene is
-///            refused where it comes in while the first one is at it.
+///            refused where it comes in while the first one is at it; but the first call, and the first after an edit that
+///            starts the scene's state anew, must be one thread's alone.
 ///
+/// Where it throws, the next call begins anew, as after `touch`.
 /// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
 /// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
 ///            for warnings).

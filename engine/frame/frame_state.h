@@ -118,6 +118,13 @@ struct BlasWork {
     std::vector<const TreeWatch*> watches;  ///< Theirs.
     std::vector<uint32_t> worn;             ///< Positions of those that are rebuilt in this frame.
     std::vector<BlasScratch> scratches;     ///< Of as many rebuilds as are made at once.
+    uint32_t reserved_triangle_count = 0;   ///< Each has room for a mesh as large.
+};
+
+/// A tree over poses of a clip.
+struct ClipTree {
+    Bvh tree;
+    double worst_cost = 0.0;  ///< By SAH, of its poses.
 };
 
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
@@ -139,8 +146,8 @@ struct FrameState {
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     std::vector<std::optional<Aabb>> shared_bounds;        ///< [mesh_count] or none: what `bounds_at` found of them.
     BlasBuilder still_builder = BlasBuilder::kReinserted;  ///< What trees that never change are built with.
-    std::vector<Bvh> clip_trees;  ///< [mesh_count] for deforming nodes, until they have theirs; see build_clip_trees.
-    BlasWork blas_work;           ///< Scratch of update_blas.
+    std::vector<ClipTree> clip_trees;  ///< [mesh_count] for deforming nodes, until they have theirs; see build_clip_trees.
+    BlasWork blas_work;                ///< Scratch of update_blas.
     RayMean traced_rays;
     size_t written_mesh_count = 0;  ///< Meshes that the user had written when nodes were classified.
     TlasScratch tlas_scratch;
@@ -151,10 +158,25 @@ struct FrameStats;
 
 /// Classifies the nodes and makes room for everything, once a scene.
 void prepare(Scene& scene, FrameState* state);
-/// The scene's state: made by the first call, and anew where nodes, meshes or a first write came since.
-/// stats      surfaces that were refined on the way are added.
-/// Throws     SceneError where the scene does not pass `check`.
-FrameState& state_of(Scene& scene, FrameStats* stats);
+/// Holds a scene's state while a frame of it is made. The state is made by the first one, and anew where nodes, meshes or a
+/// first write came since. Where `finish` is not reached, nothing is known of what was left behind, and it starts anew, too.
+class FrameInMaking {
+public:
+    /// stats      surfaces that were refined on the way are added.
+    /// Throws     SceneError where the scene does not pass `check`; std::logic_error where another thread holds its state.
+    FrameInMaking(Scene& scene, FrameStats* stats);
+    ~FrameInMaking();
+    FrameInMaking(const FrameInMaking&) = delete;
+    FrameInMaking& operator=(const FrameInMaking&) = delete;
+
+    FrameState& state() { return *state_; }
+    void finish() { is_finished_ = true; }
+
+private:
+    Scene& scene_;
+    std::shared_ptr<FrameState> state_;
+    bool is_finished_ = false;
+};
 /// Meshes that were given to `Scene::write_mesh`; when it changes, nodes are classified anew.
 size_t count_written_meshes(const Scene& scene);
 
@@ -163,19 +185,6 @@ void animate(const Scene& scene, double time_s, FrameState* state);
 void deform(Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
-
-/// Held by the one thread that makes a frame of a scene.
-class FrameInUse {
-public:
-    /// Throws     std::logic_error where another thread holds it.
-    explicit FrameInUse(FrameState* state);
-    ~FrameInUse();
-    FrameInUse(const FrameInUse&) = delete;
-    FrameInUse& operator=(const FrameInUse&) = delete;
-
-private:
-    FrameState* const state_;
-};
 
 /// Where a shape whose vertices are in this box is in the world of this frame; empty where it cannot be hit.
 Aabb bounds_world(const Shape& shape, const FrameState& state, const Aabb& bounds_local);

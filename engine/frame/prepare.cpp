@@ -109,9 +109,10 @@ void prepare(Scene& scene, FrameState* state) {
 }
 
 size_t count_written_meshes(const Scene& scene) {
-    return static_cast<size_t>(std::count_if(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
-        return mesh.version > 0 || (mesh.surface && mesh.surface->version > 0);
-    }));
+    size_t count = 0;
+    // A cage that was written may be written as a mesh later, which is more.
+    for (const Mesh& mesh : scene.meshes) count += mesh.version > 0 ? 2 : mesh.surface && mesh.surface->version > 0 ? 1 : 0;
+    return count;
 }
 
 }  // namespace zoe

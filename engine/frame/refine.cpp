@@ -32,6 +32,7 @@ int level_of(const Scene& scene, const FrameState& state, Shape* shape) {
     const SubdivisionSurface& surface = *scene[shape->mesh].surface;
     if (!(surface.pixels > 0.0f) || !scene.viewpoint) {
         shape->is_capped = false;
+        shape->seen = {};
         return surface.options.level;
     }
     const Viewpoint& viewpoint = *scene.viewpoint;

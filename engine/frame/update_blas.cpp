@@ -7,6 +7,7 @@
 #include "engine/bvh/cache.h"
 #include "engine/bvh/reserve_builds.h"
 #include "engine/bvh/tree_file.h"
+#include "engine/frame/clip_trees.h"
 #include "engine/frame/frame.h"
 #include "engine/frame/frame_state.h"
 #include "engine/math/parallel.h"
@@ -69,11 +70,19 @@ void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corn
     if (is_cached && is_worth_keeping(build_ms, *blas) && cache->store(key, *blas)) ++counts->stored;
 }
 
-// A tree that was built over a clip's poses, in this one.
-void pose(const Bvh& tree, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
+// Puts a tree that was built over a clip's poses into this frame's. What is looked for later is a cost that the clip does
+// not explain: one above that of its worst pose.
+void pose(const ClipTree& of_clip, Shape* shape) {
+    std::vector<Aabb> boxes;
+    add_boxes(*shape, &boxes);
+    Bvh tree = of_clip.tree;
+    const double cost = fit(boxes, &tree);
     BlasScratch scratch;
-    make_blas(tree, positions, corners, blas, &scratch);
-    refit_blas(positions, corners, blas);
+    make_blas(of_clip.tree, shape->positions, shape->shown->corners, shape->blas, &scratch);
+    refit_blas(shape->positions, shape->shown->corners, shape->blas);
+    TreeReading reading = read_tree(*shape->blas, shape->positions, shape->shown->corners);
+    if (cost > 0.0) reading.cost *= std::max(1.0, of_clip.worst_cost / cost);
+    note_build(reading, shape->blas->triangle_count, &shape->watch);
 }
 
 void watch_anew(Shape* shape) {
@@ -89,17 +98,15 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
     } else {
         const Method method = method_for(shape->motion.motion, state);
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
-        const Bvh* clip_tree = state.clip_trees.empty() ? nullptr : &state.clip_trees[index(shape->mesh)];
-        if (method.is_refitted && clip_tree && clip_tree->primitives.size() == mesh.corners.size()) {
-            pose(*clip_tree, shape->positions, mesh.corners, shape->blas);
+        const ClipTree* of_clip = state.clip_trees.empty() ? nullptr : &state.clip_trees[index(shape->mesh)];
+        if (method.is_refitted && of_clip && of_clip->tree.primitives.size() == mesh.corners.size()) {
+            pose(*of_clip, shape);
         } else {
             make(shape->positions, mesh.corners, method, scene.tree_cache.get(), shape->blas,
                  is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
+            if (method.is_refitted) watch_anew(shape);
         }
-        if (method.is_refitted) {
-            reserve_builds(shape->blas);
-            watch_anew(shape);
-        }
+        if (method.is_refitted) reserve_builds(shape->blas);
     }
     shape->has_blas = true;
 }
@@ -119,12 +126,15 @@ double rays_into(const Shape& shape, const FrameState& state, double frame_rays)
 void reserve_rebuilds(BlasWork* work) {
     const auto triangle_count = [](const Shape* shape) { return shape->blas->triangle_count; };
     const Shape* largest = *std::ranges::max_element(work->refitted, {}, triangle_count);
-    work->scratches.resize(std::min(static_cast<size_t>(thread_count()), work->refitted.size()));
+    work->watches.reserve(work->refitted.size());
+    work->worn.reserve(work->refitted.size());
+    const size_t lane_count = std::min(static_cast<size_t>(thread_count()), work->refitted.size());
+    if (largest->blas->triangle_count <= work->reserved_triangle_count && lane_count <= work->scratches.size()) return;
+    work->reserved_triangle_count = std::max(largest->blas->triangle_count, work->reserved_triangle_count);
+    work->scratches = std::vector<BlasScratch>(lane_count);
     parallel_for(0, work->scratches.size(), 1, [&](size_t k, size_t) {
         reserve_builds(largest->positions, largest->shown->corners, &work->scratches[k]);
     });
-    work->watches.reserve(work->refitted.size());
-    work->worn.reserve(work->refitted.size());
 }
 
 // Rebuilds trees that have worn out.
@@ -203,7 +213,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     stats->stored += counts.stored;
     if (scene.tree_cache) warn_of_cache(scene);
     if (is_any_new) reserve_rebuilds(&state->blas_work);
-    std::vector<Bvh>().swap(state->clip_trees);  // All have theirs now.
+    std::vector<ClipTree>().swap(state->clip_trees);  // All have theirs now.
     rebuild_worn(scene, state, stats);
     warn_of_not_finite(scene, work);
 }

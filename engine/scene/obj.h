@@ -17,7 +17,8 @@ struct ObjOptions {
 
 /// Reads a Wavefront .obj file: v, vt, vn and f with indices from 1, or from the end where they are negative. One mesh, one
 /// node. Materials, groups and smoothing are not read; curves, lines and points are not shown: a warning each, with its
-/// count. Throws     SceneError `file: line N: reason` for what is broken.
+/// count.
+/// Throws     SceneError `file: line N: reason` for what is broken.
 Scene load_obj(const std::filesystem::path& file, const ObjOptions& options = {});
 
 }  // namespace zoe

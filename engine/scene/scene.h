@@ -165,8 +165,9 @@ public:
                     std::span<const glm::uvec3> corners);
 
     /// Moves the cage of a mesh with a surface; its topology, skin and morph targets stay. Nodes that show it become
-    /// deforming. positions  [vertex_count] in place of the mesh's own. Throws     SceneError where the mesh has no surface
-    /// or another vertex count.
+    /// deforming.
+    /// positions  [vertex_count] in place of the mesh's own.
+    /// Throws     SceneError where the mesh has no surface or another vertex count.
     void write_cage(MeshId mesh, std::span<const glm::vec3> positions);
 
     /// Tells the engine that nodes, clips, skins or materials were changed by hand: the frame state starts anew.

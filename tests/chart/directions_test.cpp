@@ -231,6 +231,36 @@ TEST(Charts, ATwistLosesTheVolumeThatTheFormulaSaysAndNoneByDualQuaternions) {
     EXPECT_GT(bend.find("linear blend")->points.back().y.median, bend.find("dual quaternion")->points.back().y.median);
 }
 
+TEST(Charts, FinerLevelsAreNearerToTheLimitSurfaceAndThePickedOneIsNearEnough) {
+    const Chart chart = make("subdivision");
+    for (const Panel& panel : chart.panels) EXPECT_EQ(panel.series.size(), 6u);
+    size_t picked_count = 0;
+    for (const Series& series : chart.panels[0].series) {
+        const std::vector<Point>& points = series.points;
+        ASSERT_EQ(points.size(), 4u) << series.name;
+        const bool is_limit = series.name.find("not") == std::string::npos;
+        for (size_t k = 0; k < points.size(); ++k) {
+            const double error = points[k].y.median;
+            if (points[k].is_default) {
+                ++picked_count;
+                EXPECT_TRUE(is_limit) << series.name;
+                EXPECT_LE(error, 1.0) << series.name << ", level " << k + 1;
+            }
+            // Errors of second order: a quarter a level, but where it is not smooth yet.
+            if (k == 0) continue;
+            EXPECT_LT(error, (k < 3 ? 1.0 : 0.4) * points[k - 1].y.median) << series.name << ", level " << k + 1;
+            EXPECT_GT(error, 0.1 * points[k - 1].y.median) << series.name << ", level " << k + 1;
+            EXPECT_DOUBLE_EQ(points[k].x.median, 4.0 * points[k - 1].x.median);
+        }
+        // Where a crease ends inside of the surface, as the figure's do, the limit is an approximation.
+        if (!is_limit || series.name == "figure") continue;
+        const std::vector<Point>& refined = chart.panels[0].find(series.name + ", not at the limit")->points;
+        for (size_t k = 0; k < points.size(); ++k)
+            EXPECT_LT(points[k].y.median, refined[k].y.median) << series.name << ", level " << k + 1;
+    }
+    EXPECT_GE(picked_count, 1u);
+}
+
 TEST(Charts, RefittingCostsNothingAtFirstAndMostWhereMotionScrambles) {
     const Chart chart = make("degradation");
     const Panel& sah = chart.panel("SAH");

@@ -1,5 +1,7 @@
 // A frame's steady state allocates nothing.
 
+#include <string_view>
+
 #include <gtest/gtest.h>
 
 #include "content/content.h"
@@ -20,6 +22,7 @@ void expect_no_allocation(const char* name, double settling_rays, double measure
     set_thread_count(1);  // With more, the scheduler allocates its own tasks.
     Content content = make_content(name);
     content.scene.rebuild.frame_rays = settling_rays;
+    if (measured_rays > 0.0) content.scene.clip_poses = 1;  // Or trees would not wear out.
     size_t allocation_count = 0;
     bool is_any_refitted = false;
     FrameStats stats;
@@ -40,7 +43,8 @@ void expect_no_allocation(const char* name, double settling_rays, double measure
     EXPECT_EQ(allocation_count, 0u);
     EXPECT_GT(stats.refitted + stats.rebuilt + stats.kept, 0u);
     EXPECT_GE(stats.rebuilt, content.write ? uint32_t(kFrames - 1) : 0u) << "meshes that are written";
-    if (measured_rays > 0.0 && is_any_refitted) {
+    // Waves never make the tree of a cloth a tenth worse.
+    if (measured_rays > 0.0 && is_any_refitted && std::string_view(name) != "deforming") {
         EXPECT_GT(stats.rebuilt, 0u);
     }
     set_thread_count(0);
