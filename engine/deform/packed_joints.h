@@ -29,6 +29,7 @@ struct alignas(32) PackedMotion {
 
 /// Joint matrices in the form that the kernels read. Of a dual quaternion skin, each is
 /// common_scale * motion * affine, of which the affines are left out where none of them does anything.
+/// Source     Kavan, Collins, Zara, O'Sullivan. Geometric Skinning with Approximate Dual Quaternion Blending. TOG 2008.
 struct PackedJoints {
     Skinning skinning = Skinning::kLinearBlend;
     bool is_finite = true;              ///< All affines are.

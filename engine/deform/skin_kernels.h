@@ -22,6 +22,7 @@ struct SkinWork {
 };
 
 /// Vertices [begin, end), with the best instruction set that the processor has.
+/// Source     see `skin`.
 void skin_linear(const SkinWork& work, size_t begin, size_t end);
 void skin_dual(const SkinWork& work, size_t begin, size_t end);
 

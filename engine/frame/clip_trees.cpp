@@ -11,7 +11,7 @@ namespace zoe {
 
 namespace {
 
-// Poses squared times triangles, what `build_poses` costs: half a second or so.
+// Poses squared times triangles, what `build_poses` costs: a second or so.
 constexpr double kMostWork = 3.2e6;
 
 // Half as many, and again, until they are not too many to build over.
