@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -14,6 +13,7 @@
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
@@ -162,8 +162,7 @@ TEST(Agglomerative, IsTheCubicGreedyOffTiesInRounds) {
 }
 
 bool is_same_tree(const Bvh& a, const Bvh& b) {
-    return a.primitives == b.primitives && a.nodes.size() == b.nodes.size() &&
-           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+    return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
 TEST(Agglomerative, StaysWithinOnePercentOfTheGreedyOnTies) {

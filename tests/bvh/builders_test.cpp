@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include <gtest/gtest.h>
 
@@ -12,13 +11,13 @@
 #include "engine/math/parallel.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
 
 bool is_same_tree(const Bvh& a, const Bvh& b) {
-    return a.nodes.size() == b.nodes.size() && a.primitives == b.primitives &&
-           (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0);
+    return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
 TEST(Builders, AreValidOnEveryNastyInput) {

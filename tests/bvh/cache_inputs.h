@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -9,6 +8,7 @@
 #include "engine/bvh/cache.h"
 #include "engine/bvh/tree_file.h"
 #include "tests/bvh/inputs.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/temp_folder.h"
 
 namespace zoe::test {
@@ -28,15 +28,9 @@ struct Planted {
     bool load(TreeCache* cache, Blas* result) const { return cache->load(key, mesh.positions, mesh.corners, result); }
 };
 
-/// Bytes, so that NaN corners are compared too.
-template <typename Vector>
-bool is_same_memory(const Vector& a, const Vector& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
-}
-
 inline bool is_same(const Blas& a, const Blas& b) {
-    return is_same_memory(a.tree.nodes, b.tree.nodes) && a.tree.level_ends == b.tree.level_ends &&
-           is_same_memory(a.blocks, b.blocks) && a.triangle_count == b.triangle_count &&
+    return has_same_bits(a.tree.nodes, b.tree.nodes) && a.tree.level_ends == b.tree.level_ends &&
+           has_same_bits(a.blocks, b.blocks) && a.triangle_count == b.triangle_count &&
            a.not_finite_count == b.not_finite_count && a.has_pieces == b.has_pieces;
 }
 

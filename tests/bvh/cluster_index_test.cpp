@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -17,6 +16,7 @@
 #include "tests/bvh/inputs.h"
 #include "tests/bvh/linear_clustering.h"
 #include "tests/math/random_inputs.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
@@ -146,8 +146,7 @@ Boxes boxes_of(const Distribution& distribution, uint32_t count, uint64_t seed) 
 }
 
 bool is_same_tree(const Bvh& a, const Bvh& b) {
-    return a.primitives == b.primitives && a.nodes.size() == b.nodes.size() &&
-           (a.nodes.empty() || std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0);
+    return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
 TEST(ClusterIndex, FindsWhatALinearSearchFindsWhateverIsMerged) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -18,6 +17,7 @@
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
@@ -47,8 +47,7 @@ Boxes spread(int count, uint64_t seed, float size = 0.2f) {
 }
 
 bool is_same_tree(const Bvh& a, const Bvh& b) {
-    return a.primitives == b.primitives && a.nodes.size() == b.nodes.size() &&
-           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+    return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
 // Of inner nodes below the root: the others' are the same whatever the tree.

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -9,13 +8,13 @@
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
 
 bool is_same_to_the_bit(const WideBvh& a, const WideBvh& b) {
-    return a.nodes.size() == b.nodes.size() &&
-           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(WideNode)) == 0;
+    return has_same_bits(a.nodes, b.nodes);
 }
 
 uint64_t count_leaves(const WideBvh& tree) {
@@ -166,7 +165,7 @@ TEST(Refit, ThreadsDoNotMatterAndNothingIsAllocated) {
     EXPECT_EQ(with_four.fitted, with_one.fitted);
     EXPECT_EQ(with_four.changed, with_one.changed);
     EXPECT_EQ(blas.tree.summed_cost(), many.tree.summed_cost());
-    EXPECT_EQ(std::memcmp(blas.blocks.data(), many.blocks.data(), blas.blocks.size() * sizeof(TriangleBlock)), 0);
+    EXPECT_TRUE(has_same_bits(blas.blocks, many.blocks));
 }
 
 /// What refitting is worst at: the tree's neighbours have nothing to do with each other any more.

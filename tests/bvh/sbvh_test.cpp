@@ -1,7 +1,6 @@
 #include "engine/bvh/build_sbvh.h"
 
 #include <cmath>
-#include <cstring>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +8,7 @@
 #include "engine/math/parallel.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
@@ -34,8 +34,7 @@ StaticBvh build(const TestMesh& mesh, const SbvhConfig& config = {}) {
 }
 
 bool is_same_tree(const Bvh& a, const Bvh& b) {
-    return a.nodes.size() == b.nodes.size() && a.primitives == b.primitives &&
-           std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(BvhNode)) == 0;
+    return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
 TEST(Sbvh, IsValidAndInItsBudgetOnEveryNastyInput) {

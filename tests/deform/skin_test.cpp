@@ -1,12 +1,11 @@
 #include "engine/deform/skin.h"
 
-#include <cstring>
-
 #include <gtest/gtest.h>
 #include <glm/matrix.hpp>
 
 #include "tests/bvh/each_target.h"
 #include "tests/deform/skin_oracle.h"
+#include "tests/support/same_bits.h"
 
 namespace zoe::test {
 namespace {
@@ -158,10 +157,6 @@ void skin_one(const SkinBinding& binding, const std::vector<Affine>& joints, siz
     *normal = dot(rows[0], x) < 0.0f ? -turned : turned;
 }
 
-bool is_same(const Points& a, const Points& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(glm::vec3)) == 0;
-}
-
 TEST(Skin, EveryTargetGivesTheBitsOfPlainFloats) {
     const uint64_t seed = 174;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -184,13 +179,15 @@ TEST(Skin, EveryTargetGivesTheBitsOfPlainFloats) {
             on_each_target([&] {
                 Points out(vertex_count), out_normals(vertex_count);
                 skin(binding, packed_linear(joints), positions, normals, out, out_normals);
-                EXPECT_TRUE(is_same(out, expected_positions)) << influence_count << " influences, " << vertex_count;
-                EXPECT_TRUE(is_same(out_normals, expected_normals)) << influence_count << " influences, " << vertex_count;
+                EXPECT_TRUE(has_same_bits(out, expected_positions)) << influence_count << " influences, " << vertex_count;
+                EXPECT_TRUE(has_same_bits(out_normals, expected_normals))
+                    << influence_count << " influences, " << vertex_count;
                 // Where they stand, too.
                 out = positions;
                 out_normals = normals;
                 skin(binding, packed_linear(joints), out, out_normals, out, out_normals);
-                EXPECT_TRUE(is_same(out, expected_positions) && is_same(out_normals, expected_normals)) << "in place";
+                EXPECT_TRUE(has_same_bits(out, expected_positions) && has_same_bits(out_normals, expected_normals))
+                    << "in place";
             });
         }
     }
