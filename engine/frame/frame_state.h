@@ -36,44 +36,49 @@ struct SurfaceLevel {
     auto operator<=>(const SurfaceLevel&) const = default;
 };
 
-/// What a node that shows a mesh keeps from frame to frame.
-struct Shape {
-    NodeId node = kNone<NodeId>;
-    NodeMotion motion;
+/// What a shape keeps that does not show its mesh just as it is.
+struct OwnShape {
     bool has_skin = false;
     SkinPath skin_path;
     std::vector<uint8_t> used_joints;      ///< [joint_count] of a skin.
     std::vector<glm::vec3> joint_centres;  ///< [joint_count] of a dual quaternion skin.
-
-    MeshId mesh = kNone<MeshId>;  ///< Shown in this frame.
-    std::vector<float> weights;   ///< This frame's morph weights.
-    std::vector<Affine> joints;   ///< This frame's joint matrices, skin space from mesh.
-
-    PackedJoints packed_joints;  ///< The same, as they are read.
+    std::vector<float> weights;            ///< This frame's morph weights.
+    std::vector<Affine> joints;            ///< This frame's joint matrices, skin space from mesh.
+    PackedJoints packed_joints;            ///< The same, as they are read.
+    bool is_deformed = false;              ///< Its vertices were worked out in this frame.
 
     std::vector<glm::vec3> morphed_positions, morphed_normals;  ///< Of what is both morphed and skinned.
     std::vector<glm::vec3> deformed_positions, deformed_normals;
-    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, the deformed, or the surface's.
 
-    const Mesh* shown = nullptr;  ///< Whose triangles are shown: the mesh, or its surface at a level.
-    int level = 0;                ///< Of subdivision; 0: the mesh has no surface.
-    Seen seen;                    ///< From where, when the level was chosen by its pixels.
-    bool is_capped = false;       ///< It would have had to be finer.
+    int level = 0;           ///< Of subdivision; 0: the mesh has no surface.
+    Seen seen;               ///< From where, when the level was chosen by its pixels.
+    bool is_capped = false;  ///< It would have had to be finer.
     const Refined* refined = nullptr;
     int refined_level = 0;  ///< Of `refined`.
     std::vector<glm::vec3> refined_positions, refined_normals;
     uint64_t cage_version = 0;
 
-    bool is_deformed = false;         ///< Its vertices were worked out in this frame.
-    bool is_changed = true;           ///< Its vertices are other than in the last frame.
-    bool is_topology_changed = true;  ///< So may be its triangles.
-    uint64_t mesh_version = 0;
-    bool has_blas = false;                 ///< `blas` holds the last frame's triangles.
-    uint32_t warned_not_finite_count = 0;  ///< Triangles that a warning told of.
-    Blas own_blas;
+    Blas blas;
     BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt whenever vertices move; else released after the build.
     TreeWatch watch;           ///< Of a tree that is refitted.
-    Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
+};
+
+/// What a node that shows a mesh keeps from frame to frame. All of them are read in every frame, so it is small.
+struct Shape {
+    NodeId node = kNone<NodeId>;
+    NodeMotion motion;
+    MeshId mesh = kNone<MeshId>;           ///< Shown in this frame.
+    bool is_changed = true;                ///< Its vertices are other than in the last frame.
+    bool is_topology_changed = true;       ///< So may be its triangles.
+    bool has_blas = false;                 ///< `blas` holds the last frame's triangles.
+    uint32_t warned_not_finite_count = 0;  ///< Triangles that a warning told of.
+    uint64_t mesh_version = 0;
+    std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, the deformed, or the surface's.
+    const Mesh* shown = nullptr;                    ///< Whose triangles are shown: the mesh, or its surface at a level.
+    Blas* blas = nullptr;                           ///< Its own, or one shared by all nodes that show the mesh undeformed.
+    std::unique_ptr<OwnShape> own;                  ///< Null: it shows its mesh as it is, by the mesh's BLAS.
+
+    bool is_shared() const { return !own || blas != &own->blas; }
 };
 
 /// Memory that one frame's top level hands to the next.
@@ -139,6 +144,7 @@ struct FrameState {
     double time_s = 0.0;                                 ///< Of this frame.
     std::vector<float> sampled;                          ///< Scratch.
     std::vector<Shape> shapes;                           ///< In order of their nodes.
+    std::vector<Shape*> own_shapes;                      ///< Those of them that have `own`.
     std::vector<MorphReach> morph_reaches;               ///< [mesh_count] of meshes with targets.
     std::map<SurfaceLevel, std::unique_ptr<Refined>> refined;
     std::map<MeshId, LevelChoice> level_choices;           ///< Of meshes whose surfaces have `pixels`.

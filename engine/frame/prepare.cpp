@@ -55,6 +55,13 @@ uint64_t count_still_triangles(const Scene& scene, const FrameState& state) {
     return count;
 }
 
+// Its vertices and triangles are the mesh's, or its surface's at a level that never changes.
+bool is_mesh_alone(const Scene& scene, const Node& node, Motion motion) {
+    if (node.sequence || motion > Motion::kRigid) return false;
+    const Mesh& mesh = scene[node.mesh];
+    return mesh.targets.empty() && !(mesh.surface && mesh.surface->pixels > 0.0f);
+}
+
 }  // namespace
 
 void prepare(Scene& scene, FrameState* state) {
@@ -86,24 +93,28 @@ void prepare(Scene& scene, FrameState* state) {
         Shape& shape = state->shapes.emplace_back();
         shape.node = NodeId{k};
         shape.motion = state->motions[k];
-        shape.has_skin = !node.sequence && node.skin != kNone<SkinId> && scene[node.mesh].binding.influence_count > 0;
-        if (!shape.has_skin) continue;
-        const Skin& skin = scene.skins[index(node.skin)];
-        shape.used_joints = used_joints(scene[node.mesh].binding, skin.joints.size());
-        if (skin.skinning == Skinning::kDualQuaternion) shape.joint_centres = joint_centres(skin.joint_from_mesh);
-        if (shape.motion.frame != kNone<NodeId>) {
-            shape.skin_path = find_path(scene, skin, shape.used_joints, shape.motion.frame, rank, position);
+        shape.mesh = node.mesh;
+        const bool has_skin = !node.sequence && node.skin != kNone<SkinId> && scene[node.mesh].binding.influence_count > 0;
+        if (is_mesh_alone(scene, node, shape.motion.motion) && !has_skin) {
+            shape.blas = &state->shared_blases[index(node.mesh)];
+            if (!scene[node.mesh].surface) continue;
         }
+        OwnShape& own = *(shape.own = std::make_unique<OwnShape>());
+        if (!shape.blas) shape.blas = &own.blas;
+        own.has_skin = has_skin;
+        if (!has_skin) continue;
+        const Skin& skin = scene.skins[index(node.skin)];
+        own.used_joints = used_joints(scene[node.mesh].binding, skin.joints.size());
+        if (skin.skinning == Skinning::kDualQuaternion) own.joint_centres = joint_centres(skin.joint_from_mesh);
+        if (shape.motion.frame != kNone<NodeId>) {
+            own.skin_path = find_path(scene, skin, own.used_joints, shape.motion.frame, rank, position);
+        }
+    }
+    for (Shape& shape : state->shapes) {
+        if (shape.own) state->own_shapes.push_back(&shape);
     }
     for (size_t k = 0; k < scene.meshes.size(); ++k) {
         if (!scene.meshes[k].targets.empty()) state->morph_reaches[k] = find_reach(scene.meshes[k].targets);
-    }
-    for (Shape& shape : state->shapes) {
-        const Node& node = scene[shape.node];
-        const bool is_undeformed = !node.sequence && !shape.has_skin && scene[node.mesh].targets.empty();
-        const bool has_one_level = node.sequence || !scene[node.mesh].surface || scene[node.mesh].surface->pixels == 0.0f;
-        const bool is_shared = is_undeformed && has_one_level && shape.motion.motion <= Motion::kRigid;
-        shape.blas = is_shared ? &state->shared_blases[index(node.mesh)] : &shape.own_blas;
     }
     state->still_builder = choose_builder(count_still_triangles(scene, *state), scene.tree_build);
 }

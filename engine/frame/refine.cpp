@@ -19,7 +19,7 @@ namespace {
 bool is_at_rest(const Scene& scene, const Shape& shape) {
     const Mesh& mesh = scene[shape.mesh];
     const bool is_morphed = !mesh.targets.empty() && !scene[shape.node].sequence;
-    return !shape.has_skin && !is_morphed && mesh.surface->version == 0;
+    return !shape.own->has_skin && !is_morphed && mesh.surface->version == 0;
 }
 
 const Affine& world_from_local(const Shape& shape, const FrameState& state) {
@@ -31,8 +31,8 @@ const Affine& world_from_local(const Shape& shape, const FrameState& state) {
 int level_of(const Scene& scene, const FrameState& state, Shape* shape) {
     const SubdivisionSurface& surface = *scene[shape->mesh].surface;
     if (!(surface.pixels > 0.0f) || !scene.viewpoint) {
-        shape->is_capped = false;
-        shape->seen = {};
+        shape->own->is_capped = false;
+        shape->own->seen = {};
         return surface.options.level;
     }
     const Viewpoint& viewpoint = *scene.viewpoint;
@@ -41,29 +41,29 @@ int level_of(const Scene& scene, const FrameState& state, Shape* shape) {
     const Seen seen{.world_from_local = world_from_local(*shape, state),
                     .eye_world = has_node ? state.world_matrices[index(viewpoint.node)].translation : viewpoint.eye_world,
                     .pixels_at_1m = 0.5f * static_cast<float>(viewpoint.height_pixels) / tangent};
-    const bool is_same_mesh = shape->refined && !shape->is_topology_changed;
-    if (is_same_mesh && !shape->is_changed && seen == shape->seen) return shape->level;
-    shape->seen = seen;
+    const bool is_same_mesh = shape->own->refined && !shape->is_topology_changed;
+    if (is_same_mesh && !shape->is_changed && seen == shape->own->seen) return shape->own->level;
+    shape->own->seen = seen;
     return choose_level(state.level_choices.at(shape->mesh), shape->positions, seen, surface.pixels, viewpoint.hysteresis,
-                        is_same_mesh ? shape->level : 0, &shape->is_capped);
+                        is_same_mesh ? shape->own->level : 0, &shape->own->is_capped);
 }
 
 void choose_levels(Scene& scene, FrameState* state) {
     if (scene.viewpoint && scene.viewpoint->node != kNone<NodeId> && index(scene.viewpoint->node) >= scene.nodes.size()) {
         throw SceneError(scene.file, "viewpoint", "there is no node " + std::to_string(index(scene.viewpoint->node)));
     }
-    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+    parallel_for(0, state->own_shapes.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            Shape& shape = state->shapes[k];
-            shape.is_capped = shape.is_capped && scene[shape.mesh].surface;
+            Shape& shape = *state->own_shapes[k];
+            shape.own->is_capped = shape.own->is_capped && scene[shape.mesh].surface;
             const int level = scene[shape.mesh].surface ? level_of(scene, *state, &shape) : 0;
-            if (level == 0) shape.refined = nullptr;
-            shape.level = level;
+            if (level == 0) shape.own->refined = nullptr;
+            shape.own->level = level;
         }
     });
-    for (const Shape& shape : state->shapes) {
-        if (!shape.is_capped) continue;
-        scene.warn("node " + std::to_string(index(shape.node)) + " '" + scene[shape.node].name +
+    for (const Shape* shape : state->own_shapes) {
+        if (!shape->own->is_capped) continue;
+        scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +
                    "': its subdivision surface would have to be finer than its finest level for the pixels asked for");
     }
 }
@@ -73,8 +73,8 @@ void drop_unused(FrameState* state) {
     if (state->level_choices.empty()) return;
     std::erase_if(state->refined, [&](const auto& entry) {
         if (!state->level_choices.contains(entry.first.mesh)) return false;
-        return std::none_of(state->shapes.begin(), state->shapes.end(), [&](const Shape& shape) {
-            return shape.mesh == entry.first.mesh && shape.level == entry.first.level;
+        return std::ranges::none_of(state->own_shapes, [&](const Shape* shape) {
+            return shape->mesh == entry.first.mesh && shape->own->level == entry.first.level;
         });
     });
 }
@@ -82,9 +82,9 @@ void drop_unused(FrameState* state) {
 // Refines what is not there yet, all of it at once.
 void make_missing(const Scene& scene, FrameState* state, FrameStats* stats) {
     std::vector<std::pair<const SurfaceLevel, std::unique_ptr<Refined>>*> missing;
-    for (const Shape& shape : state->shapes) {
-        if (shape.level == 0) continue;
-        const auto [found, is_new] = state->refined.try_emplace({shape.mesh, shape.level});
+    for (const Shape* shape : state->own_shapes) {
+        if (shape->own->level == 0) continue;
+        const auto [found, is_new] = state->refined.try_emplace({shape->mesh, shape->own->level});
         if (is_new) missing.push_back(&*found);
     }
     stats->subdivided += static_cast<uint32_t>(missing.size());
@@ -102,31 +102,32 @@ void make_missing(const Scene& scene, FrameState* state, FrameStats* stats) {
 }
 
 void show(const Scene& scene, FrameState* state, FrameStats* stats) {
-    for (Shape& shape : state->shapes) {
-        if (shape.level == 0) continue;
-        const Refined* refined = state->refined.at({shape.mesh, shape.level}).get();
-        if (refined != shape.refined || shape.level != shape.refined_level)
-            shape.is_topology_changed = shape.is_changed = true;
-        shape.refined = refined;
-        shape.refined_level = shape.level;
-        shape.shown = &refined->mesh;
-        stats->refined += shape.is_changed && !is_at_rest(scene, shape);
+    for (Shape* shape : state->own_shapes) {
+        OwnShape& own = *shape->own;
+        if (own.level == 0) continue;
+        const Refined* refined = state->refined.at({shape->mesh, own.level}).get();
+        if (refined != own.refined || own.level != own.refined_level) shape->is_topology_changed = shape->is_changed = true;
+        own.refined = refined;
+        own.refined_level = own.level;
+        shape->shown = &refined->mesh;
+        stats->refined += shape->is_changed && !is_at_rest(scene, *shape);
     }
 }
 
 void evaluate_shape(const Scene& scene, Shape* shape) {
+    OwnShape& own = *shape->own;
     if (is_at_rest(scene, *shape)) {
-        shape->positions = shape->refined->mesh.positions;
-        shape->normals = shape->refined->mesh.normals;
+        shape->positions = own.refined->mesh.positions;
+        shape->normals = own.refined->mesh.normals;
         return;
     }
     if (shape->is_changed) {
-        shape->refined_positions.resize(shape->refined->mesh.positions.size());
-        shape->refined_normals.resize(shape->refined->mesh.normals.size());
-        evaluate(shape->refined->stencils, shape->positions, shape->refined_positions, shape->refined_normals);
+        own.refined_positions.resize(own.refined->mesh.positions.size());
+        own.refined_normals.resize(own.refined->mesh.normals.size());
+        evaluate(own.refined->stencils, shape->positions, own.refined_positions, own.refined_normals);
     }
-    shape->positions = shape->refined_positions;
-    shape->normals = shape->refined_normals;
+    shape->positions = own.refined_positions;
+    shape->normals = own.refined_normals;
 }
 
 }  // namespace
@@ -136,9 +137,9 @@ void refine(Scene& scene, FrameState* state, FrameStats* stats) {
     drop_unused(state);
     make_missing(scene, state, stats);
     show(scene, state, stats);
-    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+    parallel_for(0, state->own_shapes.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            if (state->shapes[k].level > 0) evaluate_shape(scene, &state->shapes[k]);
+            if (Shape* shape = state->own_shapes[k]; shape->own->level > 0) evaluate_shape(scene, shape);
         }
     });
 }

@@ -82,19 +82,19 @@ void pose(const ClipTree& of_clip, Shape* shape) {
     refit_blas(shape->positions, shape->shown->corners, shape->blas);
     TreeReading reading = read_tree(*shape->blas, shape->positions, shape->shown->corners);
     if (cost > 0.0) reading.cost *= std::max(1.0, of_clip.worst_cost / cost);
-    note_build(reading, shape->blas->triangle_count, &shape->watch);
+    note_build(reading, shape->blas->triangle_count, &shape->own->watch);
 }
 
 void watch_anew(Shape* shape) {
     const TreeReading reading = read_tree(*shape->blas, shape->positions, shape->shown->corners);
-    note_build(reading, shape->blas->triangle_count, &shape->watch);
+    note_build(reading, shape->blas->triangle_count, &shape->own->watch);
 }
 
 void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
     const Mesh& mesh = *shape->shown;
     if (action_for(*shape, state) == Action::kRefit) {
         const bool is_other = refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
-        if (is_other) note_refit(read_tree(*shape->blas, shape->positions, mesh.corners), &shape->watch);
+        if (is_other) note_refit(read_tree(*shape->blas, shape->positions, mesh.corners), &shape->own->watch);
     } else {
         const Method method = method_for(shape->motion.motion, state);
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
@@ -103,7 +103,7 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
             pose(*of_clip, shape);
         } else {
             make(shape->positions, mesh.corners, method, scene.tree_cache.get(), shape->blas,
-                 is_rebuilt_often ? &shape->blas_scratch : nullptr, counts);
+                 is_rebuilt_often ? &shape->own->blas_scratch : nullptr, counts);
             if (method.is_refitted) watch_anew(shape);
         }
         if (method.is_refitted) reserve_builds(shape->blas);
@@ -143,8 +143,8 @@ void rebuild_worn(const Scene& scene, FrameState* state, FrameStats* stats) {
     work.watches.clear();
     const double frame_rays = state->traced_rays.is_told ? state->traced_rays.mean : scene.rebuild.frame_rays;
     for (Shape* shape : work.refitted) {
-        add_loss(rays_into(*shape, *state, frame_rays), &shape->watch);
-        work.watches.push_back(&shape->watch);
+        add_loss(rays_into(*shape, *state, frame_rays), &shape->own->watch);
+        work.watches.push_back(&shape->own->watch);
     }
     choose_rebuilds(scene.rebuild, work.watches, &work.worn);
     const size_t lane_count = work.scratches.size();
@@ -197,7 +197,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
         }
         (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
         if (action == Action::kKeep) continue;
-        const bool is_shared = shape.blas != &shape.own_blas;
+        const bool is_shared = shape.is_shared();
         if (is_shared && state->is_shared_blas_built[index(shape.mesh)]) {
             shape.has_blas = true;
             continue;
