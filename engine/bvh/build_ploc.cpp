@@ -11,7 +11,7 @@ namespace zoe {
 
 namespace {
 
-constexpr uint32_t kGrain = 1024;      // Clusters of a part.
+constexpr uint32_t kGrain = 1024;      // Clusters of a part, at least.
 constexpr uint32_t kUnionGrain = 512;  // Unions that are placed by one thread.
 constexpr uint32_t kAhead = 8;         // Unions whose place in memory is asked for before its turn.
 constexpr uint32_t kPairs = 4096;      // Looked at in a round in any case: 64 clusters look at each other.
@@ -25,6 +25,7 @@ public:
           scratch_(*scratch),
           box_count_(static_cast<uint32_t>(boxes.size())),
           radius_(std::min(std::max(config.search_radius, 1u), box_count_)),
+          grain_(std::max(kGrain, 4 * radius_)),
           front_(std::max(radius_, 64u)) {
         front_ += front_ % 2;  // Neighbours by position are those of an even and the next odd place.
     }
@@ -32,7 +33,6 @@ public:
     void build(Bvh* bvh) {
         start();
         while (cluster_count_ > 1) {
-            find_partners();
             choose_mates();
             merge_mates();
         }
@@ -49,7 +49,16 @@ private:
         const Aabb& box = boxes_[scratch_.order[leaf]];
         return box.is_proper() ? box : Aabb{};
     }
-    size_t part_count() const { return (cluster_count_ + kGrain - 1) / kGrain; }
+    static uint32_t all_bits(bool is_set) { return 0u - is_set; }
+    size_t part_count() const { return (cluster_count_ + grain_ - 1) / grain_; }
+
+    // In parallel: calls `work(part, begin, end)` with the clusters of each.
+    template <typename Work>
+    void for_each_part(Work&& work) {
+        parallel_for(0, cluster_count_, grain_, [&](size_t begin, size_t end) {
+            work(scratch_.parts[begin / grain_], static_cast<uint32_t>(begin), static_cast<uint32_t>(end));
+        });
+    }
 
     // While clusters look for partners, an empty one is infinite: else all that see it would want it.
     Aabb bounds(size_t place) const {
@@ -75,7 +84,6 @@ private:
             clusters.leaf_counts.resize(size);
             for (uint32_t k = 0; k < front_; ++k) set(&clusters, k, kNothing, kNoCluster, 0);
         }
-        scratch_.partners.resize(box_count_ + kSearchLanes);
         scratch_.mates.resize(box_count_);
         scratch_.parts.resize(part_count());
         scratch_.unions.resize(box_count_ - 1);
@@ -92,57 +100,54 @@ private:
         });
     }
 
-    void find_partners() {
+    // Parts look for the partners of their own clusters, and again for those of whom these may choose: so no part waits for
+    // another between looking and choosing.
+    void choose_mates() {
         const uint32_t radius = std::min({std::max(radius_, kPairs / cluster_count_), cluster_count_ - 1, front_});
         for (uint32_t k = 0; k < radius + kSearchLanes; ++k) set(now_, front_ + cluster_count_ + k, kNothing, kNoCluster, 0);
         ClusterRow row{.planes = {}, .first = front_, .count = cluster_count_};
         for (int k = 0; k < 6; ++k) row.planes[k] = now_->planes[k].data();
-        parallel_for(0, cluster_count_, kGrain, [&](size_t begin, size_t end) {
-            zoe::find_partners(row, static_cast<uint32_t>(begin), static_cast<uint32_t>(end), radius,
-                               scratch_.partners.data());
+        for_each_part([&](Part& part, uint32_t begin, uint32_t end) {
+            part.first_partner = begin - std::min(begin, radius);
+            const uint32_t last = std::min(end + radius, cluster_count_);
+            const size_t size = size_t{last} - part.first_partner + kSearchLanes;
+            if (part.partners.size() < size) part.partners.resize(size);
+            zoe::find_partners(row, part.first_partner, last, radius, part.partners.data());
+            mate_with_each_other(begin, end, &part);
         });
+        uint32_t union_count = 0;
+        for (size_t k = 0; k < part_count(); ++k) union_count += scratch_.parts[k].union_count;
+        // Where few chose each other (each box farther from the next than from the last, say), a round might merge no more
+        // than two: then each part also merges, from its front on, whom it can with whom they chose.
+        if (union_count >= cluster_count_ / kFew) return;
+        for_each_part([&](Part& part, uint32_t begin, uint32_t end) { mate_with_choices(begin, end, &part); });
     }
 
-    // Those that chose each other. Where they are few (each box farther from the next than from the last, say), a round
-    // might merge no more than two: then each part also merges, from its front on, whom it can with whom they chose.
-    void choose_mates() {
-        const auto choose = [&](bool takes_all) {
-            parallel_for(0, cluster_count_, kGrain, [&](size_t begin, size_t end) {
-                Part& part = scratch_.parts[begin / kGrain];
-                const auto b = static_cast<uint32_t>(begin), e = static_cast<uint32_t>(end);
-                if (takes_all) {
-                    mate_with_choices(b, e);
-                } else {
-                    mate_with_each_other(b, e);
-                }
-                part.union_count = part.out_count = 0;
-                for (uint32_t k = b; k < e; ++k) {
-                    const uint32_t mate = scratch_.mates[k];
-                    part.out_count += mate > k;  // Nobody is, too.
-                    part.union_count += (mate > k) & (mate != kNoCluster);
-                }
-            });
-            uint32_t union_count = 0;
-            for (size_t k = 0; k < part_count(); ++k) union_count += scratch_.parts[k].union_count;
-            return union_count;
-        };
-        if (choose(false) < cluster_count_ / kFew) choose(true);
-    }
-
-    void mate_with_each_other(uint32_t begin, uint32_t end) {
+    // Who mates is anybody's guess, a processor's too: so nothing here and where they merge branches on it.
+    void mate_with_each_other(uint32_t begin, uint32_t end, Part* part) {
+        const uint32_t *partners = part->partners.data(), first = part->first_partner;
+        uint32_t* mates = scratch_.mates.data();
+        uint32_t out_count = 0, union_count = 0;
         for (uint32_t k = begin; k < end; ++k) {
-            const uint32_t partner = scratch_.partners[k], asked = partner == kNoCluster ? k : partner;
-            scratch_.mates[k] = scratch_.partners[asked] == k ? partner : kNoCluster;
+            const uint32_t partner = partners[k - first], asked = partner == kNoCluster ? k : partner;
+            const uint32_t mate = partner | all_bits(partners[asked - first] != k);
+            mates[k] = mate;
+            out_count += mate > k;  // Nobody is, too.
+            union_count += (mate > k) & (mate != kNoCluster);
         }
+        part->out_count = out_count;
+        part->union_count = union_count;
     }
 
-    void mate_with_choices(uint32_t begin, uint32_t end) {
+    void mate_with_choices(uint32_t begin, uint32_t end, Part* part) {
         for (uint32_t k = begin; k < end; ++k) {
-            const uint32_t partner = scratch_.partners[k];
+            const uint32_t partner = part->partners[k - part->first_partner];
             const bool is_in_part = begin <= partner && partner < end;
             if (!is_in_part || scratch_.mates[k] != kNoCluster || scratch_.mates[partner] != kNoCluster) continue;
             scratch_.mates[k] = partner;
             scratch_.mates[partner] = k;
+            ++part->union_count;
+            --part->out_count;
         }
     }
 
@@ -156,23 +161,31 @@ private:
             union_count += part.union_count;
             out_count += part.out_count;
         }
-        parallel_for(0, cluster_count_, kGrain, [&](size_t begin, size_t end) {
-            const Part& part = scratch_.parts[begin / kGrain];
+        for_each_part([&](Part& part, uint32_t begin, uint32_t end) {
+            const uint32_t* mates = scratch_.mates.data();
+            uint32_t* kept = part.partners.data();  // Nobody asks for partners any more.
+            uint32_t kept_count = 0;
+            for (uint32_t k = begin; k < end; ++k) {
+                kept[kept_count] = k;
+                kept_count += mates[k] > k;
+            }
             uint32_t next_union = part.first_union;
             size_t out = front_ + part.first_out;
-            for (size_t k = begin; k < end; ++k) {
-                const uint32_t mate = scratch_.mates[k];
-                if (mate != kNoCluster && mate < k) continue;
-                Aabb box = bounds(front_ + k);
-                uint32_t id = now_->ids[front_ + k], leaf_count = now_->leaf_counts[front_ + k];
-                if (mate != kNoCluster) {
-                    const Aabb other = bounds(front_ + mate);
-                    scratch_.unions[next_union] = {box, other, id, now_->ids[front_ + mate], leaf_count};
-                    id = box_count_ + next_union++;
-                    leaf_count += now_->leaf_counts[front_ + mate];
-                    box.extend(other);
-                }
-                set(next_, out++, box.is_empty() ? kNothing : box, id, leaf_count);
+            for (uint32_t i = 0; i < kept_count; ++i, ++out) {
+                const uint32_t k = kept[i], is_union = all_bits(mates[k] != kNoCluster);
+                const size_t at = front_ + k, other = front_ + (k ^ ((k ^ mates[k]) & is_union));
+                const uint32_t id = now_->ids[at], union_id = box_count_ + next_union;
+                Aabb box = bounds(at);
+                box.extend(bounds(other));
+                set(next_, out, box.is_empty() ? kNothing : box, id ^ ((id ^ union_id) & is_union),
+                    now_->leaf_counts[at] + (now_->leaf_counts[other] & is_union));
+                kept[next_union - part.first_union] = k;
+                next_union += is_union & 1;
+            }
+            for (uint32_t i = 0; i < part.union_count; ++i) {
+                const size_t left = front_ + kept[i], right = front_ + mates[kept[i]];
+                scratch_.unions[part.first_union + i] = {bounds(left), bounds(right), now_->ids[left], now_->ids[right],
+                                                         now_->leaf_counts[left]};
             }
         });
         scratch_.round_ends.push_back(union_count);
@@ -223,7 +236,7 @@ private:
 
     std::span<const Aabb> boxes_;
     PlocScratch& scratch_;
-    uint32_t box_count_, radius_;
+    uint32_t box_count_, radius_, grain_;
     uint32_t front_;  // Places before the first cluster.
     uint32_t cluster_count_ = 0;
     Clusters* now_ = &scratch_.clusters[0];

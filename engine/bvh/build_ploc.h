@@ -31,11 +31,13 @@ struct PlocScratch {
         uint32_t union_count;             ///< Unions whose first half is in the range.
         uint32_t first_union, first_out;  ///< Where those go, and what is left of the range.
         uint32_t out_count;
+        uint32_t first_partner;
+        std::vector<uint32_t> partners;  ///< [from first_partner on] whom each cluster would merge with.
     };
     MortonScratch morton;
-    std::vector<uint32_t> order;            ///< [boxes] along the Morton curve.
-    Clusters clusters[2];                   ///< This round's and the next's.
-    std::vector<uint32_t> partners, mates;  ///< [clusters] whom each would merge with, and whom it does.
+    std::vector<uint32_t> order;  ///< [boxes] along the Morton curve.
+    Clusters clusters[2];         ///< This round's and the next's.
+    std::vector<uint32_t> mates;  ///< [clusters] whom each merges with.
     std::vector<Part> parts;
     std::vector<Union> unions;         ///< [boxes - 1]
     std::vector<Place> places;         ///< [boxes - 1]

@@ -59,11 +59,13 @@ HWY_INLINE void find_some(const ClusterRow& row, uint32_t begin, uint32_t radius
     const auto found = hn::Sub(hn::Xor(places, ties), hn::Set(ints, static_cast<int32_t>(row.first)));
     const auto is_cluster = hn::And(hn::Gt(found, nobody), hn::Lt(found, hn::Set(ints, static_cast<int32_t>(row.count))));
     const auto result = hn::IfThenElse(is_cluster, found, nobody);
-    hn::StoreU(hn::BitCast(hn::RebindToUnsigned<FloatTag>(), result), hn::RebindToUnsigned<FloatTag>(), partners + begin);
+    hn::StoreU(hn::BitCast(hn::RebindToUnsigned<FloatTag>(), result), hn::RebindToUnsigned<FloatTag>(), partners);
 }
 
 void find_all(const ClusterRow& row, uint32_t begin, uint32_t end, uint32_t radius, uint32_t* partners) {
-    for (uint32_t k = begin; k < end; k += static_cast<uint32_t>(hn::Lanes(FloatTag()))) find_some(row, k, radius, partners);
+    for (uint32_t k = begin; k < end; k += static_cast<uint32_t>(hn::Lanes(FloatTag()))) {
+        find_some(row, k, radius, partners + (k - begin));
+    }
 }
 
 }  // namespace HWY_NAMESPACE

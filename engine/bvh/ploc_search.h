@@ -21,8 +21,7 @@ inline constexpr uint32_t kNoCluster = 0xffffffffu;
 /// areas are equal, every two neighbours do.
 /// row        boxes without NaN; infinite ones at `radius` places before the first, and after the last one at radius +
 ///            kSearchLanes.
-/// begin, end begin a multiple of kSearchLanes, and so end unless it is the row's.
-/// partners   result: [row.count], with room for kSearchLanes more; kNoCluster where there is none.
+/// partners   result: [end - begin], with room for kSearchLanes more; kNoCluster where there is none.
 /// Cost       O(clusters * radius), by the best instruction set that the processor has; the same choices on all of them.
 void find_partners(const ClusterRow& row, uint32_t begin, uint32_t end, uint32_t radius, uint32_t* partners);
 
