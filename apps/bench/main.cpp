@@ -142,7 +142,7 @@ int run(const Options& options) {
     check_outputs(options, scenes);
     catch_interrupts();
 
-    const PlayConfig config{.has_peer = options.has_peer, .peer = options.peer};
+    const PlayConfig config{.is_exact = options.is_exact, .has_peer = options.has_peer, .peer = options.peer};
     Machine machine = describe_machine();
     if (options.has_peer) machine.emplace_back("peer", EmbreePeer::version());
     fmt::print("{}", machine_text(machine));

@@ -48,6 +48,8 @@ void add_options(CLI::App& app, Options& options, Texts& texts) {
         ->type_name("R")
         ->group(what);
     app.add_option("--threads", options.threads, "Threads to use (all)")->type_name("N")->group(what);
+    app.add_flag("--exact", options.is_exact, "The top level clustered exactly (by the fast form, unless told)")
+        ->group(what);
 
     const char* const peer = "Beside a peer";
     app.add_option("--peer", texts.peer, "The same frames through Embree, by its best configuration")
@@ -107,8 +109,8 @@ std::optional<Options> parse_options(int argc, char** argv) {
     for (const char* const name : {"SCENE", "--frames", "--size", "--repeats", "--write-hashes"})
         require(!app.count(name) || !options.expected_hashes,
                 fmt::format("{} does not go with --expect-hashes: its file says what is played", name));
-    for (const char* const name :
-         {"--frames", "--csv", "--disagreements", "--write-hashes", "--expect-hashes", "--peer-quality", "--peer-two-level"})
+    for (const char* const name : {"--frames", "--exact", "--csv", "--disagreements", "--write-hashes", "--expect-hashes",
+                                   "--peer-quality", "--peer-two-level"})
         require(!app.count(name) || !options.compares_trees, fmt::format("{} does not go with --trees", name));
     return options;
 }

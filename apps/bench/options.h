@@ -18,6 +18,7 @@ struct Options {
     std::optional<PictureSize> size;  ///< Likewise.
     std::optional<int> repeats;       ///< Likewise.
     int threads = 0;                  ///< 0: all.
+    bool is_exact = false;            ///< The top level is clustered exactly.
 
     bool has_peer = false;
     PeerOptions peer;

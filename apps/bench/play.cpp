@@ -91,7 +91,9 @@ public:
           config_(config),
           report_(report),
           content_(open_scene(scene.scene, kBenchFps)),
-          frame_run_(content_, choose_view(content_, scene), scene.size) {}
+          frame_run_(content_, choose_view(content_, scene), scene.size) {
+        if (config.is_exact) content_.scene.tlas_build.exact_up_to = std::numeric_limits<uint32_t>::max();
+    }
 
     Played play() {
         step_count_ = scene_.repeats * (scene_.frame_count + 1);

@@ -12,6 +12,7 @@
 namespace zoe {
 
 struct PlayConfig {
+    bool is_exact = false;  ///< The top level is clustered exactly.
     bool has_peer = false;
     PeerOptions peer;
 };

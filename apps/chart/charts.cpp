@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::array kCharts = {
     ChartInfo{"tlas", "What does a tree over moving instances cost to build, and its rays to trace?", tlas},
+    ChartInfo{"placing", "What do tight boxes and opened instances cost, and what do they save rays?", placing},
     ChartInfo{"builders", "What does a better tree of triangles cost, and how much faster are its rays?", builders},
     ChartInfo{"bins", "How many bins does a tree need that is rebuilt every frame?", bins},
     ChartInfo{"pays-off", "After how many rays has a better tree earned its build?", pays_off},

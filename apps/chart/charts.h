@@ -11,6 +11,7 @@ namespace zoe::chart {
 /// Each in a file of its own, chart_NAME.cpp: sweeps over the engine and says what it finds.
 /// Throws     Interrupted; what the engine throws.
 Chart tlas(Sweep& sweep);
+Chart placing(Sweep& sweep);
 Chart builders(Sweep& sweep);
 Chart bins(Sweep& sweep);
 Chart pays_off(Sweep& sweep);

@@ -42,6 +42,11 @@ constexpr std::array kStyles = {
     Style{"fast (radius 8)", kVermilion, kDownward, true},
     Style{"fast (radius 32)", kVermilion, kOpenDownward, true},
     Style{"build_tlas, whole", kBlack, kOpenCircle, true},
+    // How instances stand in the top level.
+    Style{"turned boxes", kBlack, kOpenSquare, true},
+    Style{"tight boxes", kBlue, kTriangle, true},
+    Style{"turned boxes, opened", kOrange, kSquare, true},
+    Style{"tight boxes, opened", kGreen, kCircle, true},
     // Triangle tests.
     Style{"ours", kGreen, kCircle, false},
     Style{"Moeller-Trumbore", kOrange, kSquare, false},

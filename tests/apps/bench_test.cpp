@@ -64,6 +64,7 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     expect_refused(folder, {"--expect-hashes", "h.txt", "--repeats", "3"}, 2, "--repeats does not go with");
     expect_refused(folder, small({"--json", "/proc/a.json"}), 2, "/proc/a.json: cannot be written");
     expect_refused(folder, {"--trees", "--csv", "x.csv"}, 2, "--csv does not go with --trees");
+    expect_refused(folder, {"--trees", "--exact"}, 2, "--exact does not go with --trees");
     expect_refused(folder, {"--peer", "embree", "--peer-quality", "best"}, 2, "medium or high");
     expect_refused(folder, {"--no-such-option"}, 2, "--no-such-option");
     expect_refused(folder, {"rigid", "--expect-hashes", "h.txt"}, 2, "--expect-hashes");
@@ -112,7 +113,7 @@ TEST(Bench, ListAndHelpExplain) {
     const Outcome help = run_bench(folder, {"--help"});
     EXPECT_EQ(help.exit_code, 0);
     for (const char* const option : {"--list", "--frames", "--repeats", "--threads", "--size", "--peer", "--peer-robust",
-                                     "--peer-quality", "--peer-two-level", "--json", "--csv", "--expect-hashes"})
+                                     "--peer-quality", "--peer-two-level", "--exact", "--json", "--csv", "--expect-hashes"})
         EXPECT_NE(help.out.find(option), std::string::npos) << option;
 }
 
@@ -254,6 +255,7 @@ TEST(Bench, TreesAreComparedAndAgree) {
 TEST(Bench, HashesAreTheSameOnAnyNumberOfThreadsAndADifferenceIsFound) {
     const TempFolder folder;
     ASSERT_EQ(run_bench(folder, small({"--threads", "1", "--write-hashes", "h.txt"})).exit_code, 0);
+    EXPECT_EQ(run_bench(folder, {"--exact", "--expect-hashes", "h.txt"}).exit_code, 0) << "another tree, the same hits";
     const Outcome same = run_bench(folder, {"--expect-hashes", "h.txt", "--threads", "2"});
     EXPECT_EQ(same.exit_code, 0) << same.err;
 

@@ -86,6 +86,18 @@ TEST(Charts, RebuildsByTheSensorTakeAtMostTwiceTheBestChoice) {
     }
 }
 
+/// Tighter boxes and opened instances are there to save nodes. Two in a hundred is what another tree over them may lose.
+TEST(Charts, TightBoxesAndOpenedInstancesSaveNodes) {
+    const Chart chart = make("placing");
+    for (const char* const scene : {"instances-100: nodes", "default: nodes", "mixed-1: nodes"}) {
+        const double plain = y_of(chart, scene, "turned boxes");
+        for (const char* const series : {"tight boxes", "turned boxes, opened", "tight boxes, opened"})
+            EXPECT_LE(y_of(chart, scene, series), 1.02 * plain) << scene << ", " << series;
+    }
+    EXPECT_LE(y_of(chart, "instances-100: nodes", "tight boxes"),
+              0.97 * y_of(chart, "instances-100: nodes", "turned boxes"));
+}
+
 /// Both are greedy, and neither is the better one everywhere: over boxes scattered evenly, trees of the exact form cost up
 /// to 6 % more than those of the fast one, less over few.
 TEST(Charts, ExactAndFastClusteringAreWorthNearlyTheSame) {
