@@ -23,11 +23,12 @@ std::vector<size_t> spread(size_t count, size_t max_count) {
     return positions;
 }
 
-void write_contact_sheet(std::span<const std::filesystem::path> pictures, const std::filesystem::path& file) {
+void write_contact_sheet(std::span<const std::filesystem::path> pictures, const std::filesystem::path& file,
+                         const Grade& grade) {
     std::vector<Picture> thumbnails;
     int cell_width = 1, cell_height = 1;
     for (const size_t i : spread(pictures.size(), kMaxPictures)) {
-        thumbnails.push_back(shrink(load_picture(pictures[i]), kThumbnailWidth));
+        thumbnails.push_back(shrink(load_picture(pictures[i], grade), kThumbnailWidth));
         cell_width = std::max(cell_width, thumbnails.back().width);
         cell_height = std::max(cell_height, thumbnails.back().height);
     }

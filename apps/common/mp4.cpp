@@ -12,10 +12,11 @@
 namespace zoe {
 namespace {
 
-std::string feed(ProgramPipe& ffmpeg, std::span<const std::filesystem::path> pictures, const Picture& first) {
+std::string feed(ProgramPipe& ffmpeg, std::span<const std::filesystem::path> pictures, const Grade& grade,
+                 const Picture& first) {
     for (const std::filesystem::path& path : pictures) {
         if (is_interrupted()) throw Interrupted("interrupted");
-        const Picture picture = load_picture(path);
+        const Picture picture = load_picture(path, grade);
         if (picture.width != first.width || picture.height != first.height) {
             return fmt::format("{} is of another size than {}", path.native(), pictures.front().native());
         }
@@ -28,8 +29,9 @@ std::string feed(ProgramPipe& ffmpeg, std::span<const std::filesystem::path> pic
 
 }  // namespace
 
-std::string write_mp4(std::span<const std::filesystem::path> pictures, double fps, const std::filesystem::path& file) {
-    const Picture first = load_picture(pictures.front());
+std::string write_mp4(std::span<const std::filesystem::path> pictures, double fps, const Grade& grade,
+                      const std::filesystem::path& file) {
+    const Picture first = load_picture(pictures.front(), grade);
     // "file:" keeps ffmpeg from reading a protocol into the name; H.264 needs even sides.
     const std::filesystem::path temporary = temporary_name(file);
     const std::vector<std::string> arguments = {"ffmpeg",
@@ -62,7 +64,7 @@ std::string write_mp4(std::span<const std::filesystem::path> pictures, double fp
         ProgramPipe ffmpeg(arguments);
         if (!ffmpeg.is_running())
             return ffmpeg.start_error() == ENOENT ? "ffmpeg is not installed" : "ffmpeg: " + ffmpeg.close();
-        reason = feed(ffmpeg, pictures, first);
+        reason = feed(ffmpeg, pictures, grade, first);
     } catch (...) {
         std::filesystem::remove(temporary, error);
         throw;

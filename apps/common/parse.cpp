@@ -38,6 +38,16 @@ FrameRange parse_frames(std::string_view text) {
     return {*first, *last};
 }
 
+Shard parse_shard(std::string_view text) {
+    const size_t slash = text.find('/');
+    const std::optional<int> index = parse_count(text.substr(0, slash), kMaxFrameCount);
+    const std::optional<int> count =
+        slash == std::string_view::npos ? std::nullopt : parse_count(text.substr(slash + 1), kMaxFrameCount);
+    if (!index || !count || *index < 1 || *index > *count)
+        throw UsageError(fmt::format("--shard {}: give K/N, K from 1 to N, such as 3/8", text));
+    return {*index, *count};
+}
+
 PictureSize parse_size(std::string_view text) {
     const size_t cross = text.find('x');
     const std::optional<int> width = parse_count(text.substr(0, cross), 1'000'000'000);

@@ -14,6 +14,12 @@ struct FrameRange {
     int count() const { return last - first + 1; }
 };
 
+/// Every `count`-th frame of a range, from the `index`-th on, which is 1 to count.
+struct Shard {
+    int index = 1, count = 1;
+    bool has(const FrameRange& range, int frame) const { return (frame - range.first) % count == index - 1; }
+};
+
 struct PictureSize {
     int width = 0, height = 0;
 };
@@ -33,6 +39,8 @@ inline constexpr int kMaxFrameCount = 1'000'000;
 /// "3-7" or "3".
 /// Throws     UsageError that says what is wrong; so do the others below.
 FrameRange parse_frames(std::string_view text);
+/// "3/8".
+Shard parse_shard(std::string_view text);
 /// "640x360".
 PictureSize parse_size(std::string_view text);
 /// A place farther than this along an axis is refused: squared distances would not fit a float.

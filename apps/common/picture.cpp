@@ -13,7 +13,7 @@
 
 namespace zoe {
 
-Picture load_picture(const std::filesystem::path& file) {
+Picture load_picture(const std::filesystem::path& file, const Grade& grade) {
     const FloatImage image = read_picture(file);
     const size_t channel_count = image.channels.size();
     size_t rgb[3];
@@ -34,7 +34,7 @@ Picture load_picture(const std::filesystem::path& file) {
             const float* const p = &image.values[i * channel_count];
             film.sum[i] = {p[rgb[0]], p[rgb[1]], p[rgb[2]], 1.0f};
         }
-        picture.rgba = to_rgba8(film);
+        picture.rgba = to_rgba8(film, grade);
     } else {
         picture.rgba.resize(4 * pixel_count);
         for (size_t i = 0; i < pixel_count; ++i) {

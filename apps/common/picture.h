@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/common/parse.h"
+#include "engine/render/tone_map.h"
 
 namespace zoe {
 
@@ -15,9 +16,9 @@ struct Picture {
     std::vector<uint8_t> rgba;  ///< [height * width * 4]
 };
 
-/// Reads a picture that `write_film` wrote; an .exr is tone mapped as its .png would be.
+/// Reads a picture that `write_film` wrote; an .exr is graded as its .png would be.
 /// Throws     std::runtime_error with the file's name and the reason.
-Picture load_picture(const std::filesystem::path& file);
+Picture load_picture(const std::filesystem::path& file, const Grade& grade = {});
 
 /// The size that the first bytes of a .png or .exr file tell; none where they are not those of such a file.
 std::optional<PictureSize> read_picture_size(const std::filesystem::path& file);

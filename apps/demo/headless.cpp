@@ -14,6 +14,7 @@
 #include "apps/common/write_file.h"
 #include "apps/demo/first_view.h"
 #include "engine/render/film.h"
+#include "engine/render/layers.h"
 
 namespace zoe {
 namespace {
@@ -64,6 +65,29 @@ FrameStats make_frame(Content& content, const Options& options, const ViewChoice
     return stats;
 }
 
+/// What a picture's file says of itself: nothing that depends on who made it, or when.
+PictureNotes notes_of(const Options& options, const ViewChoice& view_choice, const Scene& scene, int frame) {
+    const std::string camera = view_choice.camera    ? scene[*view_choice.camera].name
+                               : view_choice.look_at ? "placed"
+                                                     : "whole scene";
+    return {{"Software", fmt::format("Zoetrope {}", ZOETROPE_VERSION)},
+            {"scene", std::filesystem::path(options.scene).filename().string()},
+            {"frame", fmt::format("{}", frame)},
+            {"time", fmt::format("{:.9g} s", frame / options.fps)},
+            {"camera", camera},
+            {"samples", fmt::format("{}", options.spp.value_or(kDefaultSpp))}};
+}
+
+/// What belongs to an EXR picture beside the film, from a frame that was just made. Makes the one before it.
+void make_layers(Content& content, const Options& options, const ViewChoice& view_choice, int frame, const Film& film,
+                 Layers* layers) {
+    const float aspect = float(film.width) / float(film.height);
+    const View view = view_choice.view(content.scene, aspect);
+    see_layers(content.scene, advance(content, frame / options.fps, nullptr), view, film.width, film.height, layers);
+    const Tlas& before = advance(content, (frame - 1) / options.fps, nullptr);
+    add_motion(view, before, view_choice.view(content.scene, aspect), layers);
+}
+
 /// Lists the frames whose pictures are to be made: with --resume, those that are not there.
 /// Throws     std::runtime_error where a picture's name is a folder's.
 std::vector<int> find_missing(const Options& options, PictureSize size, Run* run) {
@@ -71,6 +95,7 @@ std::vector<int> find_missing(const Options& options, PictureSize size, Run* run
     int other_size_count = 0;
     std::error_code error;
     for (int frame = options.frames.first; frame <= options.frames.last; ++frame) {
+        if (!options.shard.has(options.frames, frame)) continue;
         run->pictures.push_back(options.out(frame));
         const std::filesystem::path& picture = run->pictures.back();
         const std::filesystem::file_status status = std::filesystem::status(picture, error);
@@ -85,7 +110,7 @@ std::vector<int> find_missing(const Options& options, PictureSize size, Run* run
         const PictureSize other = read_picture_size(picture).value_or(size);
         if (other.width != size.width || other.height != size.height) ++other_size_count;
     }
-    run->skipped_count = options.frames.count() - static_cast<int>(missing.size());
+    run->skipped_count = static_cast<int>(run->pictures.size() - missing.size());
     if (other_size_count > 0) {
         fmt::print(stderr, "zoetrope-demo: warning: of the pictures that are there, {} are not {}x{}\n", other_size_count,
                    size.width, size.height);
@@ -96,6 +121,8 @@ std::vector<int> find_missing(const Options& options, PictureSize size, Run* run
 void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
     const PictureSize size = options.size.value_or(kDefaultSize);
     Film film(size.width, size.height);
+    Layers layers;
+    const bool has_layers = options.out.extension() == ".exr";
     const std::vector<int> missing = find_missing(options, size, run);
     Progress progress("rendering", static_cast<double>(missing.size()));
     for (size_t i = 0; i < missing.size(); ++i) {
@@ -105,8 +132,16 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
         };
         if (is_interrupted()) throw Interrupted("interrupted");
         const FrameStats stats = make_frame(content, options, view_choice, frame, &film, run, report);
+        const Clock::time_point layers_begin = Clock::now();
+        if (has_layers) {
+            make_layers(content, options, view_choice, frame, film, &layers);
+            run->events.add("layers", layers_begin, ms_since(layers_begin), frame);
+        }
         const Clock::time_point write_begin = Clock::now();
-        write_film(film, options.out(frame));
+        write_film(film, options.out(frame),
+                   {.grade = options.grade,
+                    .layers = has_layers ? &layers : nullptr,
+                    .notes = notes_of(options, view_choice, content.scene, frame)});
         run->events.add("write", write_begin, ms_since(write_begin), frame);
         run->stats.frames.push_back({frame, stats});
     }
@@ -138,12 +173,20 @@ void print_stages(const RunStats& run) {
     if (loaded + stored > 0) fmt::print("trees: {} read from the cache, {} added to it\n", loaded, stored);
 }
 
+void print_pictures(const Run& run) {
+    const size_t count = run.pictures.size();
+    fmt::print("{:<15}", fmt::format("{} picture{}", count, count == 1 ? "" : "s"));
+    if (count > 0) fmt::print("{}", run.pictures.front().native());
+    if (count > 1) fmt::print(" ... {}", run.pictures.back().filename().native());
+    fmt::print("{}\n", run.skipped_count > 0 ? fmt::format(" ({} were there already)", run.skipped_count) : "");
+}
+
 void write_overviews(const Options& options, const Run& run) {
     const std::filesystem::path sheet = options.out.folder() / "contact_sheet.png",
                                 film = options.out.folder() / "animation.mp4";
-    write_contact_sheet(run.pictures, sheet);
+    write_contact_sheet(run.pictures, sheet, options.grade);
     fmt::print("contact sheet  {}\n", sheet.native());
-    const std::string reason = write_mp4(run.pictures, options.fps, film);
+    const std::string reason = write_mp4(run.pictures, options.fps, options.grade, film);
     if (reason.empty()) {
         fmt::print("film           {}\n", film.native());
     } else {
@@ -161,13 +204,10 @@ void run_headless(Content& content, const Options& options) {
     Run run;
     try {
         make_frames(content, options, view_choice, &run);
-        fmt::print("{:<15}{}", fmt::format("{} picture{}", run.pictures.size(), run.pictures.size() > 1 ? "s" : ""),
-                   run.pictures.front().native());
-        if (run.pictures.size() > 1) fmt::print(" ... {}", run.pictures.back().filename().native());
-        fmt::print("{}\n", run.skipped_count > 0 ? fmt::format(" ({} were there already)", run.skipped_count) : "");
+        print_pictures(run);
         std::fflush(stdout);
         catch_interrupts();  // where every picture was there already
-        if (run.pictures.size() > 1) write_overviews(options, run);
+        if (run.pictures.size() > 1 && options.shard.count == 1) write_overviews(options, run);
     } catch (const Interrupted&) {
         throw Interrupted(fmt::format("interrupted; the pictures in {} are whole, and --resume goes on after them",
                                       options.out.folder().native()));

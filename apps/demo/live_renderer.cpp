@@ -144,7 +144,7 @@ bool LiveRenderer::pass(const LiveRequest& request) {
     LivePicture picture;
     picture.width = film_.width;
     picture.height = film_.height;
-    picture.rgba = to_rgba8(film_);
+    picture.rgba = to_rgba8(film_, request.grade);
     picture.time_s = request.time_s;
     picture.sample_count = film_.sample_count;
     picture.stats = stats;

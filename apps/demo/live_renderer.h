@@ -20,6 +20,7 @@ struct LiveRequest {
     std::vector<ClipId> clips;
     bool is_looping = true;
     Shade shade = Shade::kPath;
+    Grade grade;
     std::optional<NodeId> camera;  ///< Else `look_at`.
     ViewChoice::LookAt look_at;
     int width = 0, height = 0;  ///< Of the picture on the screen.

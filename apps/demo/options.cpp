@@ -1,5 +1,7 @@
 #include "apps/demo/options.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -12,7 +14,8 @@ namespace {
 
 /// Options whose text is checked after all of them were read.
 struct Texts {
-    std::string frames, eye, target, origin, size, shade, out, cache;
+    std::string frames, shard, eye, target, origin, size, shade, tone, out, cache;
+    double exposure_stops = 0.0;
 };
 
 struct Flags {
@@ -26,7 +29,8 @@ std::string footer() {
         "  zoetrope-demo fox.glb --clip Run               one clip of a file\n"
         "  zoetrope-demo fox.glb --headless --frames 0-71 three seconds as pictures in out/\n"
         "  zoetrope-demo --shade motion                   how each node moves: its motion class\n"
-        "  zoetrope-demo --out out/f_%04d.exr --spp 64    EXR layers: colour, depth, node and triangle\n"
+        "  zoetrope-demo --out out/f_%04d.exr --spp 64    EXR layers: colour, depth, ids, albedo, normals, motion\n"
+        "  zoetrope-demo --frames 0-239 --shard 3/8       the third of eight machines' shares\n"
         "  zoetrope-demo 'wave_%04d.glb'                  a mesh a frame\n"
         "  zoetrope-demo cage.obj --subdivide 3           a smooth surface over a cage of quads\n\n"
         "Scenes made by this project, as NAME or NAME-SIZE (instances-100000):\n";
@@ -83,11 +87,24 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
         ->type_name("N")
         ->group(seen);
 
+    app.add_option("--exposure", texts.exposure_stops, "Brighter by so many stops, each twice the light; darker below 0")
+        ->type_name("STOPS")
+        ->capture_default_str()
+        ->group(seen);
+    app.add_option("--tone", texts.tone,
+                   "How bright light fits a screen: true colours, a film's curve, or cut off (neutral, unless told)")
+        ->type_name("neutral|aces|linear")
+        ->group(seen);
+
     const char* const pictures = "Pictures instead of a window (each of these implies --headless)";
     app.add_flag("--headless", options.is_headless, "Write pictures, a contact sheet, and a film where ffmpeg is installed")
         ->group(pictures);
     app.add_option("--frames", texts.frames, "From frame A to B, both included, or one frame (0-47)")
         ->type_name("A-B")
+        ->group(pictures);
+    app.add_option("--shard", texts.shard,
+                   "The K-th of N shares of the frames, for as many machines; the last step is --resume")
+        ->type_name("K/N")
         ->group(pictures);
     app.add_option("--out", texts.out, "Pictures' names, .png or .exr (out/frame_%04d.png)")
         ->type_name("PATTERN")
@@ -145,12 +162,13 @@ void check_view(const CLI::App& app, Options& options, const Texts& texts) {
 
 void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     if (app.count("--frames")) options.frames = parse_frames(texts.frames);
+    if (app.count("--shard")) options.shard = parse_shard(texts.shard);
     if (app.count("--out")) options.out = NumberedPath(texts.out);
     const std::string extension = options.out.extension();
     require(extension == ".png" || extension == ".exr", fmt::format("--out {}: the name ends in .png or .exr", texts.out));
     require(options.frames.count() == 1 || options.out.has_number(),
             fmt::format("--out {}: several frames need a number in the name, such as frame_%04d.png", texts.out));
-    for (const char* const name : {"--frames", "--out", "--resume", "--stats", "--trace"}) {
+    for (const char* const name : {"--frames", "--shard", "--out", "--resume", "--stats", "--trace"}) {
         if (app.count(name)) options.is_headless = true;
     }
 }
@@ -178,6 +196,13 @@ std::optional<Options> parse_options(int argc, char** argv) {
         require(shade.has_value(), fmt::format("--shade {}: one of path, albedo, normal, motion, cost", texts.shade));
         options.shade = *shade;
     }
+    if (app.count("--tone")) {
+        const std::optional<Tone> tone = tone_from_name(texts.tone);
+        require(tone.has_value(), fmt::format("--tone {}: one of neutral, aces, linear", texts.tone));
+        options.grade.tone = *tone;
+    }
+    require(std::abs(texts.exposure_stops) <= 32.0, "--exposure: a number of stops from -32 to 32");  // NaN fails
+    options.grade.exposure = static_cast<float>(std::exp2(texts.exposure_stops));
     require(options.build_budget_s >= 0.0 && options.build_budget_s <= 86400.0,
             "--build-budget: a number of seconds from 0 to 86400");
     require(options.fps >= 0.001 && options.fps <= 100000.0, "--fps: a number from 0.001 to 100000");  // NaN fails

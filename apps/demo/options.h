@@ -18,6 +18,7 @@ struct Options {
     std::optional<int> level;  ///< Of subdivision surfaces.
 
     FrameRange frames{0, 47};
+    Shard shard;  ///< Of the frames.
     double fps = 24.0;
     std::optional<std::string> clip;
     bool is_looping = true;
@@ -31,6 +32,7 @@ struct Options {
     std::optional<PictureSize> size;
     std::optional<int> spp;
     Shade shade = Shade::kPath;
+    Grade grade;
 
     NumberedPath out{"out/frame_%04d.png"};
     std::optional<std::string> stats, trace;  ///< Files to write.

@@ -10,25 +10,12 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/render/layers.h"
 #include "engine/scene/image.h"
 
 namespace zoe {
 
 namespace {
-
-constexpr float kShoulder = 0.8f;  // brightness up to which the picture is linear
-
-/// Maps brightness [0, inf) to [0, 1): linear up to the shoulder, then an exponential that continues its slope.
-/// What is compressed also loses saturation, so that a bright coloured light goes towards white and keeps its shape.
-glm::vec3 tone_map(const glm::vec3& color) {
-    const float brightest = std::max({color.x, color.y, color.z});
-    if (!(brightest > kShoulder)) return color;
-    if (!std::isfinite(brightest)) return glm::vec3(1.0f);
-    const float room = 1.0f - kShoulder;
-    const float mapped = kShoulder + room * (1.0f - std::exp((kShoulder - brightest) / room));
-    const float excess = 0.25f * (brightest - mapped);
-    return glm::mix(color * (mapped / brightest), glm::vec3(mapped), excess / (1.0f + excess));
-}
 
 /// Linear [0, 1] to 8 bits, sRGB encoded. Negative and NaN give 0.
 uint8_t encode_srgb(float linear) {
@@ -38,31 +25,45 @@ uint8_t encode_srgb(float linear) {
     return static_cast<uint8_t>(encoded * 255.0f + 0.5f);
 }
 
-void write_film_exr(const Film& film, const std::filesystem::path& file) {
-    const size_t pixel_count = film.sum.size();
-    std::vector<float> planes(6 * pixel_count);
-    float* const plane[6] = {planes.data(),
-                             planes.data() + pixel_count,
-                             planes.data() + 2 * pixel_count,
-                             planes.data() + 3 * pixel_count,
-                             planes.data() + 4 * pixel_count,
-                             planes.data() + 5 * pixel_count};
-    const float scale = film.sample_count > 0 ? 1.0f / static_cast<float>(film.sample_count) : 0.0f;
-    for (size_t i = 0; i < pixel_count; ++i) {
-        for (int c = 0; c < 4; ++c) plane[c][i] = film.sum[i][c] * scale;
-        plane[4][i] = std::bit_cast<float>(film.node[i]);
-        plane[5][i] = std::bit_cast<float>(film.primitive[i]);
+// Channels of a layer, taken apart.
+template <typename Vector>
+void add_planes(const std::vector<Vector>& values, const std::vector<std::string>& names,
+                std::vector<std::vector<float>>* planes, std::vector<Channel>* channels) {
+    for (size_t c = 0; c < names.size(); ++c) {
+        std::vector<float>& plane = planes->emplace_back();
+        plane.reserve(values.size());
+        for (const Vector& value : values) plane.push_back(value[static_cast<int>(c)]);
+        channels->push_back({.name = names[c], .values = plane});
     }
-    const Channel channels[] = {
-        {.name = "R", .values = {plane[0], pixel_count}},
-        {.name = "G", .values = {plane[1], pixel_count}},
-        {.name = "B", .values = {plane[2], pixel_count}},
-        {.name = "A", .values = {plane[3], pixel_count}},
-        {.name = "depth.Z", .values = film.depth},
-        {.name = "node.id", .values = {plane[4], pixel_count}, .is_id = true},
-        {.name = "primitive.id", .values = {plane[5], pixel_count}, .is_id = true},
-    };
-    write_exr(file, film.width, film.height, channels);
+}
+
+void add_ids(const std::vector<uint32_t>& ids, const std::string& name, std::vector<std::vector<float>>* planes,
+             std::vector<Channel>* channels) {
+    std::vector<float>& plane = planes->emplace_back();
+    plane.reserve(ids.size());
+    for (const uint32_t id : ids) plane.push_back(std::bit_cast<float>(id));
+    channels->push_back({.name = name, .values = plane, .is_id = true});
+}
+
+void write_film_exr(const Film& film, const std::filesystem::path& file, const PictureOptions& options) {
+    const float scale = film.sample_count > 0 ? 1.0f / static_cast<float>(film.sample_count) : 0.0f;
+    std::vector<glm::vec4> beauty = film.sum;
+    for (glm::vec4& pixel : beauty) pixel *= scale;
+    std::vector<std::vector<float>> planes;
+    planes.reserve(16);  // Channels look at what they hold.
+    std::vector<Channel> channels;
+    add_planes(beauty, {"R", "G", "B", "A"}, &planes, &channels);
+    channels.push_back({.name = "depth.Z", .values = film.depth});
+    add_ids(film.node, "node.id", &planes, &channels);
+    add_ids(film.primitive, "primitive.id", &planes, &channels);
+    if (const Layers* layers = options.layers) {
+        assert(layers->width == film.width && layers->height == film.height);
+        add_planes(layers->albedo, {"albedo.R", "albedo.G", "albedo.B"}, &planes, &channels);
+        add_planes(layers->normal, {"normal.X", "normal.Y", "normal.Z"}, &planes, &channels);
+        add_planes(layers->motion, {"backward.u", "backward.v"}, &planes, &channels);
+    }
+    assert(planes.size() <= planes.capacity());
+    write_exr(file, film.width, film.height, channels, options.notes);
 }
 
 }  // namespace
@@ -90,24 +91,24 @@ glm::vec4 Film::pixel(int x, int y) const {
     return sample_count > 0 ? total / static_cast<float>(sample_count) : glm::vec4(0.0f);
 }
 
-std::vector<uint8_t> to_rgba8(const Film& film, float exposure) {
+std::vector<uint8_t> to_rgba8(const Film& film, const Grade& grade) {
     std::vector<uint8_t> rgba(film.sum.size() * 4);
-    const float scale = film.sample_count > 0 ? exposure / static_cast<float>(film.sample_count) : 0.0f;
+    const float scale = film.sample_count > 0 ? grade.exposure / static_cast<float>(film.sample_count) : 0.0f;
     for (size_t i = 0; i < film.sum.size(); ++i) {
-        const glm::vec3 color = tone_map(glm::vec3(film.sum[i]) * scale);
+        const glm::vec3 color = tone_map(grade.tone, glm::vec3(film.sum[i]) * scale);
         for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = encode_srgb(color[c]);
         rgba[4 * i + 3] = 255;  // The sky is part of the picture: coverage belongs to compositing, which reads the EXR.
     }
     return rgba;
 }
 
-void write_film(const Film& film, const std::filesystem::path& file, float exposure) {
+void write_film(const Film& film, const std::filesystem::path& file, const PictureOptions& options) {
     std::string extension = file.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
     if (extension == ".png") {
-        write_png(file, film.width, film.height, to_rgba8(film, exposure));
+        write_png(file, film.width, film.height, to_rgba8(film, options.grade), options.notes);
     } else if (extension == ".exr") {
-        write_film_exr(film, file);
+        write_film_exr(film, file, options);
     } else {
         throw std::runtime_error(file.string() + ": a picture's name must end in .png or .exr");
     }

@@ -7,6 +7,9 @@
 
 #include <glm/vec4.hpp>
 
+#include "engine/render/tone_map.h"
+#include "engine/scene/image.h"
+
 namespace zoe {
 
 /// A picture in the making. All arrays [height * width], top row first. Depth, node and primitive are layers of geometry:
@@ -25,13 +28,20 @@ struct Film {
     glm::vec4 pixel(int x, int y) const;  ///< Mean of the samples.
 };
 
-/// 8 bits a channel, tone mapped (linear up to a shoulder, then towards white) and sRGB encoded; [height * width * 4].
-/// Opaque: the sky is part of the picture.
-std::vector<uint8_t> to_rgba8(const Film& film, float exposure = 1.0f);
+/// 8 bits a channel, tone mapped and sRGB encoded; [height * width * 4]. Opaque: the sky is part of the picture.
+std::vector<uint8_t> to_rgba8(const Film& film, const Grade& grade = {});
+
+struct Layers;
+
+struct PictureOptions {
+    Grade grade;                     ///< Of a .png; an .exr holds radiance as it is.
+    const Layers* layers = nullptr;  ///< Of the same size, for an .exr; null: none.
+    PictureNotes notes;              ///< Kept in the file.
+};
 
 /// Writes a film by the file's extension: .png as `to_rgba8`, or .exr with the layers R G B A, depth.Z, node.id,
-/// primitive.id. To a temporary name, then renamed.
+/// primitive.id, and where there are layers, albedo, normal and backward (motion). To a temporary name, then renamed.
 /// Throws     std::runtime_error with the file's name and the reason.
-void write_film(const Film& film, const std::filesystem::path& file, float exposure = 1.0f);
+void write_film(const Film& film, const std::filesystem::path& file, const PictureOptions& options = {});
 
 }  // namespace zoe

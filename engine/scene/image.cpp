@@ -172,7 +172,7 @@ std::string too_many_pixels(int width, int height, uint64_t max_pixels) {
     return fmt::format("{} x {} pixels, more than the {} that are left for images", width, height, max_pixels);
 }
 
-void write_exr(const fs::path& file, int width, int height, std::span<const Channel> channels) {
+void write_exr(const fs::path& file, int width, int height, std::span<const Channel> channels, const PictureNotes& notes) {
     if (width <= 0 || height <= 0 || channels.empty())
         throw std::runtime_error(file.string() + ": a picture without pixels");
     const size_t pixel_count = static_cast<size_t>(width) * static_cast<size_t>(height);
@@ -188,6 +188,8 @@ void write_exr(const fs::path& file, int width, int height, std::span<const Chan
         spec.channelformats.push_back(channel.is_id ? OIIO::TypeDesc::UINT32 : OIIO::TypeDesc::FLOAT);
     }
     spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "0000:00:00 00:00:00");  // Unknown. Unless told, the time of writing: no two files the same.
+    for (const auto& [name, text] : notes) spec.attribute(name, text);
     // Every channel has 4 bytes: pixels interleave as words, whatever the bits mean.
     std::vector<uint32_t> words(pixel_count * channels.size());
     for (size_t c = 0; c < channels.size(); ++c) {
@@ -198,13 +200,14 @@ void write_exr(const fs::path& file, int width, int height, std::span<const Chan
     write_pixels(file, spec, "exr", words.data());
 }
 
-void write_png(const fs::path& file, int width, int height, std::span<const uint8_t> rgba) {
+void write_png(const fs::path& file, int width, int height, std::span<const uint8_t> rgba, const PictureNotes& notes) {
     if (width <= 0 || height <= 0 || rgba.size() != size_t{4} * static_cast<size_t>(width) * static_cast<size_t>(height)) {
         throw std::runtime_error(file.string() + ": the pixels are not 4 * width * height");
     }
     OIIO::ImageSpec spec(width, height, 4, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:UnassociatedAlpha", 1);
     spec.attribute("oiio:ColorSpace", "sRGB");
+    for (const auto& [name, text] : notes) spec.attribute(name, text);
     write_pixels(file, spec, "png", rgba.data());
 }
 
@@ -224,6 +227,9 @@ FloatImage read_picture(const fs::path& file) {
     image.width = spec.width;
     image.height = spec.height;
     image.channels = spec.channelnames;
+    for (const OIIO::ParamValue& note : spec.extra_attribs) {
+        if (note.type() == OIIO::TypeDesc::STRING) image.notes.emplace_back(note.name().string(), note.get_string());
+    }
     const size_t channel_count = static_cast<size_t>(spec.nchannels);
     const size_t pixel_count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
     image.values.resize(pixel_count * channel_count);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace zoe {
@@ -31,19 +32,25 @@ struct Channel {
     bool is_id = false;  ///< Written as a 32-bit unsigned integer (EXR); bit pattern of `values` reinterpreted.
 };
 
+/// What a picture's file says of it: names and texts, such as ("frame", "12").
+using PictureNotes = std::vector<std::pair<std::string, std::string>>;
+
 /// Writes an EXR file with named channels (32-bit float, or uint32 for ids): to a temporary name, then renamed.
 /// Throws     std::runtime_error with the file's name and the reason; nothing is left behind.
-void write_exr(const std::filesystem::path& file, int width, int height, std::span<const Channel> channels);
+void write_exr(const std::filesystem::path& file, int width, int height, std::span<const Channel> channels,
+               const PictureNotes& notes = {});
 
 /// Writes an 8-bit PNG, top row first: to a temporary name, then renamed.
 /// rgba       [height * width * 4]
-void write_png(const std::filesystem::path& file, int width, int height, std::span<const uint8_t> rgba);
+void write_png(const std::filesystem::path& file, int width, int height, std::span<const uint8_t> rgba,
+               const PictureNotes& notes = {});
 
 /// Reads any picture as 32-bit floats, channels by name.
 struct FloatImage {
     int width = 0, height = 0;
     std::vector<std::string> channels;
     std::vector<float> values;  ///< [height * width * channels.size()]; unsigned integer channels as their value.
+    PictureNotes notes;         ///< All texts of the file.
 };
 /// Throws     std::runtime_error with the file's name and the reason.
 FloatImage read_picture(const std::filesystem::path& file);

@@ -1,0 +1,156 @@
+// Albedo, normals and motion of what pixels show.
+
+#include "engine/render/layers.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <glm/gtc/quaternion.hpp>
+
+#include "engine/math/parallel.h"
+#include "tests/render/scenes.h"
+#include "tests/support/same_bits.h"
+
+namespace zoe::test {
+namespace {
+
+constexpr int kWidth = 48, kHeight = 32;
+
+/// Where a view shows a point, in pixels to the right and up, in double precision.
+glm::dvec2 place(const View& view, const glm::dvec3& point) {
+    const glm::dvec3 offset = point - glm::dvec3(view.origin);
+    const double ahead = view.is_perspective ? -glm::dot(offset, glm::dvec3(view.axis_z)) : 1.0;
+    return {0.5 * kWidth * glm::dot(offset, glm::dvec3(view.axis_x)) / ahead / view.half_width,
+            0.5 * kHeight * glm::dot(offset, glm::dvec3(view.axis_y)) / ahead / view.half_height};
+}
+
+View looking(const glm::vec3& eye) {
+    return look_at(eye, {0, 0, 0}, 50.0f, float(kWidth) / kHeight);
+}
+
+Layers layers_of(Scene& scene, const View& view) {
+    Layers layers;
+    see_layers(scene, advance(scene, 0.0), view, kWidth, kHeight, &layers);
+    return layers;
+}
+
+TEST(Layers, HoldColoursAndNormalsOfWhatIsHit) {
+    Scene scene;
+    add_node(scene, make_sphere(4, add_diffuse(scene, {0.2f, 0.4f, 0.6f}), true));
+    const View view = looking({0, 0, 4});
+    const Layers layers = layers_of(scene, view);
+    int hit_count = 0;
+    for (size_t k = 0; k < layers.hits.size(); ++k) {
+        if (!layers.hits[k]) {
+            EXPECT_EQ(layers.albedo[k], glm::vec3(0.0f));
+            EXPECT_EQ(layers.normal[k], glm::vec3(0.0f));
+            continue;
+        }
+        ++hit_count;
+        EXPECT_EQ(layers.albedo[k], glm::vec3(0.2f, 0.4f, 0.6f));
+        // A unit sphere's normal is the point itself, but for how coarse the triangles are.
+        EXPECT_LT(glm::distance(layers.normal[k], glm::normalize(layers.points[k])), 0.02f);
+        EXPECT_EQ(layers.motion[k], glm::vec2(0.0f));
+    }
+    EXPECT_GT(hit_count, kWidth * kHeight / 10);
+}
+
+/// A sphere that is moved, turned and scaled, seen by a camera that moves, too.
+TEST(Layers, MotionIsWhereEachPointWasToTheEye) {
+    Scene scene;
+    const NodeId node = add_node(scene, make_sphere(3, add_diffuse(scene, glm::vec3(0.5f)), false));
+    add_node(scene, make_floor(5.0f, -1.5f, add_diffuse(scene, glm::vec3(0.5f))));
+    const View view = looking({0.3f, 0.8f, 5}), view_then = looking({0, 1, 5.5f});
+    const Trs now{
+        .translation = {0.4f, 0.1f, 0}, .rotation = glm::angleAxis(0.3f, glm::vec3(0, 1, 0)), .scale = glm::vec3(1.1f)};
+    const Trs then{.translation = {0.1f, -0.2f, 0.3f}, .rotation = glm::angleAxis(0.1f, glm::vec3(0, 1, 0))};
+    scene[node].local = now;
+    Layers layers = layers_of(scene, view);
+    scene[node].local = then;
+    add_motion(view, advance(scene, 1.0), view_then, &layers);
+
+    int moved_count = 0, still_count = 0;
+    for (size_t k = 0; k < layers.hits.size(); ++k) {
+        if (!layers.hits[k]) continue;
+        const glm::dvec3 point(layers.points[k]);
+        glm::dvec3 before = point;
+        if (layers.hits[k].node == node) {
+            // Back to the sphere, and out to where it was.
+            const glm::dquat turn_now(now.rotation), turn_then(then.rotation);
+            const glm::dvec3 local = glm::inverse(turn_now) * (point - glm::dvec3(now.translation)) / double(now.scale.x);
+            before = turn_then * local + glm::dvec3(then.translation);
+            ++moved_count;
+        } else {
+            ++still_count;
+        }
+        const glm::dvec2 expected = place(view, point) - place(view_then, before);
+        // Points are floats of about 6 m, of which 1e-6 is lost; a pixel is about 5 / 32 m wide there.
+        EXPECT_LT(glm::distance(glm::dvec2(layers.motion[k]), expected), 2e-4) << "pixel " << k;
+    }
+    EXPECT_GT(moved_count, 50);
+    EXPECT_GT(still_count, 50);
+}
+
+TEST(Layers, TheSkyMovesAsTheCameraTurns) {
+    Scene scene;
+    add_node(scene, make_sphere(0, add_diffuse(scene, glm::vec3(0.5f)), false), {.translation = {0, 0, 500}});
+    const View view = look_at({0, 0, 0}, {0, 0, -1}, 50.0f, float(kWidth) / kHeight);
+    const View view_then = look_at({9, 9, 9}, {9.1f, 9, 8}, 50.0f, float(kWidth) / kHeight);  // Where it stands is all one.
+    Layers layers = layers_of(scene, view);
+    add_motion(view, advance(scene, 1.0), view_then, &layers);
+    const size_t middle = size_t{kHeight / 2} * kWidth + kWidth / 2;
+    ASSERT_FALSE(layers.hits[middle]);
+    // It turned to the left by an angle whose tangent is 0.1; what it shows went to the right.
+    EXPECT_NEAR(layers.motion[middle].x, 0.1f * 0.5f * kWidth / view.half_width, 0.05f);
+    EXPECT_NEAR(layers.motion[middle].y, 0.0f, 0.01f);
+}
+
+TEST(Layers, WhatWasNotThereIsTakenToHaveStoodStill) {
+    Scene scene;
+    const NodeId hidden =
+        add_node(scene, make_sphere(2, add_diffuse(scene, glm::vec3(0.5f)), false), {.translation = {-1, 0, 0}});
+    const NodeId written =
+        add_node(scene, make_sphere(2, add_diffuse(scene, glm::vec3(0.5f)), false), {.translation = {1, 0, 0}});
+    const View view = looking({0, 0, 5});
+    Layers layers = layers_of(scene, view);
+    scene[hidden].local.scale = glm::vec3(0.0f);
+    Mesh other = make_box(kNone<MaterialId>);
+    scene.write_mesh(scene[written].mesh, other.positions, {}, other.corners);
+    scene[written].local.translation.y = 1.0f;
+    add_motion(view, advance(scene, 1.0), view, &layers);
+    for (const glm::vec2& motion : layers.motion) EXPECT_EQ(motion, glm::vec2(0.0f));
+}
+
+TEST(Layers, OrthographicCamerasHaveMotionAndNoSky) {
+    Scene scene;
+    const NodeId node = add_node(scene, make_floor(1.0f, 0.0f, add_diffuse(scene, glm::vec3(0.5f))));
+    View view = looking({0, 5, 0.001f});
+    view.is_perspective = false;
+    view.half_width = 2.0f * kWidth / kHeight;
+    view.half_height = 2.0f;
+    scene[node].local.translation = {0.25f, 0, 0};
+    Layers layers = layers_of(scene, view);
+    scene[node].local.translation = {0, 0, 0};
+    add_motion(view, advance(scene, 1.0), view, &layers);
+    for (size_t k = 0; k < layers.hits.size(); ++k) {
+        EXPECT_NEAR(layers.motion[k].x, layers.hits[k] ? 0.25f * kHeight / 4.0f : 0.0f, 1e-4f);
+        EXPECT_NEAR(layers.motion[k].y, 0.0f, 1e-4f);
+    }
+}
+
+TEST(Layers, AreTheSameOnAnyNumberOfThreads) {
+    Scene scene;
+    add_node(scene, make_sphere(3, add_diffuse(scene, glm::vec3(0.5f)), true));
+    const View view = looking({1, 2, 3});
+    set_thread_count(1);
+    const Layers one = layers_of(scene, view);
+    set_thread_count(3);
+    const Layers three = layers_of(scene, view);
+    set_thread_count(0);
+    EXPECT_EQ(one.hits, three.hits);
+    EXPECT_TRUE(has_same_bits(one.normal, three.normal));
+    EXPECT_TRUE(has_same_bits(one.points, three.points));
+}
+
+}  // namespace
+}  // namespace zoe::test
