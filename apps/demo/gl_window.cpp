@@ -1,6 +1,7 @@
 #include "apps/demo/gl_window.h"
 
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include <GLFW/glfw3.h>
@@ -40,12 +41,12 @@ void save_screenshot(int width, int height, const std::filesystem::path& file) {
 
 }  // namespace
 
-GlWindow::GlWindow(const std::string& title, PictureSize size) {
+GlWindow::GlWindow(PictureSize size) {
     if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY")) throw NoWindow("no display");
     if (!glfwInit()) throw NoWindow(glfw_reason());
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 0);
-    window_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+    window_ = glfwCreateWindow(size.width, size.height, "Zoetrope", nullptr, nullptr);
     if (!window_) {
         const std::string reason = glfw_reason();
         glfwTerminate();
@@ -54,6 +55,14 @@ GlWindow::GlWindow(const std::string& title, PictureSize size) {
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
     glfwSetTime(0.0);
+    glfwSetWindowUserPointer(window_, this);
+    // Dear ImGui puts its own in front, and calls this one.
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+        if (action != GLFW_RELEASE) static_cast<GlWindow*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+    });
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+        if (count > 0) static_cast<GlWindow*>(glfwGetWindowUserPointer(window))->dropped_ = paths[0];
+    });
 
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
@@ -94,6 +103,18 @@ void GlWindow::close() {
 
 double GlWindow::seconds() const {
     return glfwGetTime();
+}
+
+void GlWindow::set_title(const std::string& title) {
+    glfwSetWindowTitle(window_, title.c_str());
+}
+
+std::vector<int> GlWindow::take_keys() {
+    return std::exchange(keys_, {});
+}
+
+std::string GlWindow::take_dropped() {
+    return std::exchange(dropped_, {});
 }
 
 void GlWindow::wake() {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "apps/common/parse.h"
 
@@ -20,7 +21,7 @@ public:
 class GlWindow {
 public:
     /// Throws     NoWindow.
-    GlWindow(const std::string& title, PictureSize size);
+    explicit GlWindow(PictureSize size);
     ~GlWindow();
     GlWindow(const GlWindow&) = delete;
     GlWindow& operator=(const GlWindow&) = delete;
@@ -28,6 +29,12 @@ public:
     bool is_closing() const;
     void close();
     double seconds() const;  ///< Since the window was made.
+    void set_title(const std::string& title);
+    /// Keys, by GLFW's numbers, that went down or were repeated since the last call. (Dear ImGui forgets those that went up
+    /// again before its next frame.)
+    std::vector<int> take_keys();
+    /// The path of a file that was dropped on the window since the last call; empty: none.
+    std::string take_dropped();
 
     /// Waits for input, `wake`, or the time; then starts the interface's next frame.
     void begin_frame(double wait_s);
@@ -45,6 +52,8 @@ public:
 private:
     GLFWwindow* window_ = nullptr;
     unsigned texture_ = 0;
+    std::string dropped_;
+    std::vector<int> keys_;
 };
 
 }  // namespace zoe

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "engine/frame/classify.h"
+
 namespace zoe {
 namespace {
 
@@ -11,6 +13,21 @@ namespace {
 constexpr double kBudgetMs = 66.0;
 constexpr double kLeastTraceMs = 15.0;
 constexpr int kFirstDivisor = 4, kMaxDivisor = 12;
+constexpr uint8_t kOutline[3] = {255, 160, 0};
+
+/// Colours the pixels of a node that have another beside them.
+void outline(NodeId node, LivePicture* picture) {
+    const auto at = [&](int x, int y) { return picture->nodes[size_t{1} * y * picture->width + x]; };
+    for (int y = 0; y < picture->height; ++y) {
+        for (int x = 0; x < picture->width; ++x) {
+            if (at(x, y) != node) continue;
+            const bool is_edge = x == 0 || y == 0 || x + 1 == picture->width || y + 1 == picture->height ||
+                                 at(x - 1, y) != node || at(x + 1, y) != node || at(x, y - 1) != node ||
+                                 at(x, y + 1) != node;
+            if (is_edge) std::copy_n(kOutline, 3, &picture->rgba[4 * (size_t{1} * y * picture->width + x)]);
+        }
+    }
+}
 
 }  // namespace
 
@@ -62,7 +79,8 @@ void LiveRenderer::loop() {
 void LiveRenderer::work() {
     const auto is_restart = [&](const LiveRequest& request) {
         LiveRequest same_mode = request;
-        same_mode.is_playing = shown_.is_playing;  // pausing leaves the picture as it is
+        same_mode.is_playing = shown_.is_playing;  // pausing leaves the picture as it is ...
+        same_mode.picked = shown_.picked;          // ... and so does a look at a node
         return !is_shown_ || same_mode != shown_;
     };
     const auto can_refine = [&](const LiveRequest& request) {
@@ -74,8 +92,9 @@ void LiveRenderer::work() {
             std::unique_lock lock(mutex_);
             is_refining_ = false;
             const auto has_work = [&] {
-                return is_stopping_ || (request_ && request_->width > 0 && request_->height > 0 &&
-                                        (is_restart(*request_) || can_refine(*request_)));
+                return is_stopping_ ||
+                       (request_ && request_->width > 0 && request_->height > 0 &&
+                        (is_restart(*request_) || can_refine(*request_) || request_->picked != shown_.picked));
             };
             changed_.wait(lock, has_work);
             if (is_stopping_) return;
@@ -83,18 +102,20 @@ void LiveRenderer::work() {
             is_refining_ = !is_restart(request);
             cancel_ = false;
         }
-        const bool restarts = is_restart(request);
+        const bool restarts = is_restart(request), has_pass = restarts || can_refine(request);
         if (restarts) advance_if_needed(request);
-        if (restarts || divisor_ > 1) start_film(request, restarts);
+        if (has_pass && (restarts || divisor_ > 1)) start_film(request, restarts);
         shown_ = request;
         is_shown_ = true;
-        if (pass(request)) on_picture_();
+        if (has_pass && !pass(request)) continue;
+        publish(request);
+        on_picture_();
     }
 }
 
 void LiveRenderer::advance_if_needed(const LiveRequest& request) {
     if (is_shown_ && request.time_s == shown_.time_s && request.clips == shown_.clips &&
-        request.is_looping == shown_.is_looping) {
+        request.is_looping == shown_.is_looping && request.motions == shown_.motions) {
         return;
     }
     content_.scene.playback.is_looping = request.is_looping;
@@ -102,8 +123,20 @@ void LiveRenderer::advance_if_needed(const LiveRequest& request) {
     if (tlas_) report_rays(content_.scene, traced_rays_);
     traced_rays_ = 0;
     frame_stats_ = {};
+    if (!is_shown_ || request.motions != shown_.motions) force_motions(request);
     tlas_ = &advance(content_, request.time_s, &frame_stats_);
     is_new_frame_ = true;
+}
+
+void LiveRenderer::force_motions(const LiveRequest& request) {
+    Scene& scene = content_.scene;
+    for (const auto& [node, motion] : own_motions_) scene[node].motion = motion;
+    if (!own_motions_.empty()) scene.touch();
+    own_motions_.clear();
+    for (const auto& [node, motion] : request.motions) {
+        own_motions_.emplace(node, scene[node].motion);
+        set_motion(scene, node, motion);
+    }
 }
 
 void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
@@ -133,22 +166,32 @@ bool LiveRenderer::pass(const LiveRequest& request) {
     RenderConfig config;
     config.shade = request.shade;
     config.cancel = &cancel_;
-    FrameStats stats = frame_stats_;
+    pass_stats_ = frame_stats_;
     const auto begin = std::chrono::steady_clock::now();
-    if (!render(content_.scene, *tlas_, view, config, 1, &film_, &stats)) return false;
-    traced_rays_ += stats.rays - frame_stats_.rays;
+    if (!render(content_.scene, *tlas_, view, config, 1, &film_, &pass_stats_)) return false;
+    traced_rays_ += pass_stats_.rays - frame_stats_.rays;
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     const double ms_a_pixel = ms / (double(film_.width) * film_.height);
     ms_a_pixel_ = ms_a_pixel_ > 0.0 ? 0.7 * ms_a_pixel_ + 0.3 * ms_a_pixel : ms_a_pixel;
+    view_ = view;
+    return true;
+}
 
+void LiveRenderer::publish(const LiveRequest& request) {
     LivePicture picture;
     picture.width = film_.width;
     picture.height = film_.height;
     picture.rgba = to_rgba8(film_, request.grade);
+    for (const uint32_t node : film_.node) picture.nodes.push_back(NodeId{node});
+    if (request.picked) {
+        const NodeId node = *request.picked;
+        picture.picked = {.node = node, .name = content_.scene[node].name, .report = report_node(content_.scene, node)};
+        outline(node, &picture);
+    }
     picture.time_s = request.time_s;
     picture.sample_count = film_.sample_count;
-    picture.stats = stats;
-    picture.view = view;
+    picture.stats = pass_stats_;
+    picture.view = view_;
     picture.bounds = tlas_->bounds();
     picture.is_new_frame = is_new_frame_;
     picture.is_finished = divisor_ == 1 && film_.sample_count >= max_samples_;
@@ -157,7 +200,6 @@ bool LiveRenderer::pass(const LiveRequest& request) {
     const std::lock_guard lock(mutex_);
     if (newest_ && newest_->is_new_frame) picture.is_new_frame = true;  // it was never taken
     newest_ = std::move(picture);
-    return true;
 }
 
 }  // namespace zoe

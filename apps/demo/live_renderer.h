@@ -4,12 +4,16 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "apps/common/choose_view.h"
+#include "engine/frame/node_report.h"
 #include "engine/render/path.h"
 
 namespace zoe {
@@ -23,16 +27,27 @@ struct LiveRequest {
     Grade grade;
     std::optional<NodeId> camera;  ///< Else `look_at`.
     ViewChoice::LookAt look_at;
-    int width = 0, height = 0;  ///< Of the picture on the screen.
-    bool is_playing = false;    ///< The next request has another time: one pass at a size that keeps up.
+    int width = 0, height = 0;                       ///< Of the picture on the screen.
+    std::optional<NodeId> picked;                    ///< Outlined and reported.
+    std::vector<std::pair<NodeId, Motion>> motions;  ///< Classes that nodes are forced to.
+    bool is_playing = false;  ///< The next request has another time: one pass at a size that keeps up.
 
     friend bool operator==(const LiveRequest&, const LiveRequest&) = default;
+};
+
+/// A node that the user has chosen.
+struct PickedNode {
+    NodeId node = kNone<NodeId>;
+    std::string name;
+    NodeReport report;
 };
 
 /// What the render thread has to show.
 struct LivePicture {
     int width = 0, height = 0;
     std::vector<uint8_t> rgba;  ///< [height * width * 4], top row first.
+    std::vector<NodeId> nodes;  ///< [height * width] what is seen; kNone<NodeId>: the sky.
+    std::optional<PickedNode> picked;
     double time_s = 0.0;
     int sample_count = 0;
     bool is_new_frame = false;  ///< The scene was advanced for it.
@@ -67,6 +82,8 @@ private:
     void advance_if_needed(const LiveRequest& request);
     void start_film(const LiveRequest& request, bool is_restart);
     bool pass(const LiveRequest& request);
+    void publish(const LiveRequest& request);
+    void force_motions(const LiveRequest& request);
 
     // Shared, guarded by the mutex but for the two atomics.
     std::mutex mutex_;
@@ -85,10 +102,13 @@ private:
     LiveRequest shown_;  ///< What the film holds.
     bool is_shown_ = false;
     const Tlas* tlas_ = nullptr;
-    FrameStats frame_stats_;    ///< Of the last `advance`.
-    uint64_t traced_rays_ = 0;  ///< Since then.
+    std::map<NodeId, std::optional<Motion>> own_motions_;  ///< What forced nodes had before.
+    FrameStats frame_stats_;                               ///< Of the last `advance`.
+    FrameStats pass_stats_;                                ///< That, and of the last pass.
+    uint64_t traced_rays_ = 0;                             ///< Since then.
     bool is_new_frame_ = false;
     Film film_;
+    View view_;                ///< Of the last pass.
     int divisor_ = 1;          ///< The film's sides are the picture's, divided by this.
     double ms_a_pixel_ = 0.0;  ///< Of one sample, smoothed; 0: unknown.
     std::thread thread_;       ///< Last: it uses all of the above.

@@ -1,6 +1,10 @@
 #include "apps/demo/window.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "apps/common/interrupt.h"
 #include "apps/common/write_file.h"
@@ -38,42 +42,70 @@ WindowState first_state(Content& content, const Options& options) {
 void take_picture(LiveRenderer& renderer, GlWindow& window, WindowState& state, double* last_new_s) {
     if (!renderer.take(&state.picture)) return;
     window.set_texture(state.picture.width, state.picture.height, state.picture.rgba.data());
+    state.note_picture();
     if (!state.picture.is_new_frame) return;
-    state.history.push_back(state.picture.stats);
-    if (state.history.size() > WindowState::kHistorySize) state.history.pop_front();
     const double elapsed_s = window.seconds() - *last_new_s;
     *last_new_s = window.seconds();
     const double rate = elapsed_s > 1e-6 ? 1.0 / elapsed_s : 0.0;
     state.frames_a_second = state.frames_a_second > 0.0 ? 0.9 * state.frames_a_second + 0.1 * rate : rate;
 }
 
+/// The first name of its kind that is free in the current folder.
+std::filesystem::path free_name() {
+    for (int k = 0;; ++k) {
+        const std::filesystem::path file = fmt::format("zoetrope_{:04}.png", k);
+        if (!std::filesystem::exists(file)) return file;
+    }
+}
+
+void end_frame(GlWindow& window, WindowState& state) {
+    if (!std::exchange(state.saves_picture, false)) return window.end_frame("");
+    const std::filesystem::path file = free_name();
+    try {
+        window.end_frame(file);
+        state.message = fmt::format("saved {}", file.native());
+    } catch (const std::runtime_error& error) {
+        state.message = one_line(error.what());
+    }
+}
+
 }  // namespace
 
-void run_window(Content& content, const Options& options) {
-    if (options.screenshot) require_writable(*options.screenshot);
-    GlWindow window("Zoetrope: " + one_line(options.scene), options.size.value_or(kDefaultSize));
+PictureSize first_window_size(const Options& options) {
+    return options.size.value_or(kDefaultSize);
+}
+
+std::string run_window(GlWindow& window, Content& content, const Options& options, const std::string& message) {
+    window.set_title("Zoetrope: " + one_line(options.scene));
     WindowState state = first_state(content, options);
     state.texture = window.texture();
+    state.message = message;
 
     catch_interrupts();
     LiveRenderer renderer(content, options.spp.value_or(kDefaultMaxSamples), &GlWindow::wake);
     double last_s = window.seconds(), last_new_s = last_s;
     const double begin_s = last_s;
     while (!window.is_closing() && !state.is_closing) {
+        if (std::string dropped = window.take_dropped(); !dropped.empty()) return dropped;
         if (is_interrupted()) throw Interrupted("interrupted");
         window.begin_frame(state.is_playing ? 1.0 / 60.0 : 0.1);
         const double now_s = window.seconds();
         state.play(std::min(now_s - last_s, 0.25));  // after a stall, the animation goes on from where it was
         last_s = now_s;
         take_picture(renderer, window, state, &last_new_s);
-        draw_panels(state);
+        draw_panels(state, window.take_keys());
         renderer.ask(state.request());
 
         const bool takes_screenshot =
             options.screenshot && now_s - begin_s >= options.screenshot_after_s && state.picture.width > 0;
-        window.end_frame(takes_screenshot ? *options.screenshot : "");
-        if (takes_screenshot) window.close();
+        if (takes_screenshot) {
+            window.end_frame(*options.screenshot);
+            window.close();
+        } else {
+            end_frame(window, state);
+        }
     }
+    return "";
 }
 
 }  // namespace zoe

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <string>
+
 #include "apps/common/open_scene.h"
 #include "apps/demo/gl_window.h"
 #include "apps/demo/options.h"
 
 namespace zoe {
 
-/// Shows the scene in a window until that is closed.
-/// Throws     NoWindow before anything else was done, Interrupted, and what goes wrong in a frame.
-void run_window(Content& content, const Options& options);
+PictureSize first_window_size(const Options& options);
+
+/// Shows a scene until the window is closed, or a file is dropped on it.
+/// message    shown from the start; empty: nothing.
+/// Returns    the file that was dropped; empty: the window was closed.
+/// Throws     Interrupted, and what goes wrong in a frame.
+std::string run_window(GlWindow& window, Content& content, const Options& options, const std::string& message);
 
 }  // namespace zoe

@@ -1,7 +1,10 @@
 #include "apps/demo/window_panels.h"
 
+#include <algorithm>
+#include <cfloat>
 #include <cstdint>
 #include <cstdio>
+#include <vector>
 
 #include <GLFW/glfw3.h>
 #include <imgui.h>
@@ -11,9 +14,11 @@ namespace {
 
 constexpr const char* kShadeNames[] = {"path", "albedo", "normal", "motion", "cost"};
 constexpr int kShadeCount = 5;
+constexpr float kClickDistance = 3.0f;  // A button that was moved farther was a drag.
 
 constexpr const char* kKeys[][2] = {
     {"left drag", "orbit"},
+    {"left click", "pick a node; on the sky: none"},
     {"middle drag, shift + drag", "pan"},
     {"wheel", "zoom"},
     {"space", "play, pause"},
@@ -22,6 +27,8 @@ constexpr const char* kKeys[][2] = {
     {"1 to 5", "shade: path, albedo, normal, motion, cost"},
     {"C", "next camera"},
     {"R", "the first view again"},
+    {"F12", "save the window as a picture"},
+    {"a file dropped here", "is opened"},
     {"F1", "these keys"},
     {"escape", "close"},
 };
@@ -34,21 +41,37 @@ void next_camera(WindowState& state) {
     }
 }
 
-void use_keys(WindowState& state) {
-    if (ImGui::GetIO().WantTextInput) return;
-    if (ImGui::IsKeyPressed(GLFW_KEY_SPACE, false)) state.is_playing = !state.is_playing;
-    if (ImGui::IsKeyPressed(GLFW_KEY_LEFT)) state.step(-1);
-    if (ImGui::IsKeyPressed(GLFW_KEY_RIGHT)) state.step(1);
-    if (ImGui::IsKeyPressed(GLFW_KEY_HOME, false)) state.time_s = 0.0;
-    if (ImGui::IsKeyPressed(GLFW_KEY_C, false)) next_camera(state);
-    if (ImGui::IsKeyPressed(GLFW_KEY_F1, false)) state.is_help_shown = !state.is_help_shown;
-    if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) state.is_closing = true;
-    if (ImGui::IsKeyPressed(GLFW_KEY_R, false)) {
-        state.orbit = state.first_orbit;
-        state.camera = -1;
-    }
-    for (int i = 0; i < kShadeCount; ++i) {
-        if (ImGui::IsKeyPressed(GLFW_KEY_1 + i, false)) state.shade = static_cast<Shade>(i);
+void use_key(WindowState& state, int key) {
+    if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + kShadeCount) state.shade = static_cast<Shade>(key - GLFW_KEY_1);
+    switch (key) {
+        case GLFW_KEY_SPACE:
+            state.is_playing = !state.is_playing;
+            break;
+        case GLFW_KEY_LEFT:
+            state.step(-1);
+            break;
+        case GLFW_KEY_RIGHT:
+            state.step(1);
+            break;
+        case GLFW_KEY_HOME:
+            state.time_s = 0.0;
+            break;
+        case GLFW_KEY_C:
+            next_camera(state);
+            break;
+        case GLFW_KEY_R:
+            state.orbit = state.first_orbit;
+            state.camera = -1;
+            break;
+        case GLFW_KEY_F1:
+            state.is_help_shown = !state.is_help_shown;
+            break;
+        case GLFW_KEY_F12:
+            state.saves_picture = true;
+            break;
+        case GLFW_KEY_ESCAPE:
+            state.is_closing = true;
+            break;
     }
 }
 
@@ -77,6 +100,10 @@ void draw_picture(WindowState& state, const ImVec2& size) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::InvisibleButton("picture", size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonMiddle);
     use_mouse(state);
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool is_click = ImGui::IsItemDeactivated() && io.MouseReleased[ImGuiMouseButton_Left] &&
+                          io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] < kClickDistance * kClickDistance;
+    if (is_click) state.pick((io.MousePos.x - corner.x) / size.x, (io.MousePos.y - corner.y) / size.y);
     if (state.picture.width > 0) {
         ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(state.texture)), corner,
                                              {corner.x + size.x, corner.y + size.y});
@@ -128,6 +155,51 @@ void draw_counts(const WindowState& state) {
     ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second : 0.0);
 }
 
+void draw_motion_choice(WindowState& state, const NodeReport& report) {
+    const auto forced =
+        std::ranges::find(state.motions, state.picked, [](const auto& entry) { return std::optional(entry.first); });
+    const bool is_forced = forced != state.motions.end();
+    ImGui::SetNextItemWidth(-1.0f);
+    if (!ImGui::BeginCombo("##motion", is_forced ? name(forced->second) : "class as the scene says")) return;
+    if (ImGui::Selectable("class as the scene says", !is_forced)) state.force_motion({});
+    for (int k = static_cast<int>(report.content); k < kMotionCount; ++k) {
+        const auto motion = static_cast<Motion>(k);
+        if (ImGui::Selectable(name(motion), is_forced && forced->second == motion)) state.force_motion(motion);
+    }
+    ImGui::EndCombo();
+}
+
+void draw_node(WindowState& state) {
+    if (!state.picked) {
+        ImGui::TextDisabled("click on something to pick a node");
+        return;
+    }
+    const std::optional<PickedNode>& picked = state.picture.picked;
+    if (!picked || picked->node != state.picked) return;  // Its report is on the way.
+    const NodeReport& report = picked->report;
+    ImGui::Text("node %u  %s", index(picked->node), one_line(picked->name).c_str());
+    draw_motion_choice(state, report);
+    ImGui::Text("%s; its content is %s", name(report.motion), name(report.content));
+    if (!report.has_tree) return;
+    ImGui::Text("triangles  %8u  vertices %u", report.triangle_count, report.vertex_count);
+    ImGui::Text("tree       %s, %s", report.is_shared ? "shared" : "its own", name(report.action));
+    ImGui::Text("cost       %8.1f tests a ray", report.tree_cost);
+    std::vector<float> losses;
+    std::string actions;
+    for (const WindowState::NodeFrame& frame : state.node_history) {
+        losses.push_back(100.0f * frame.loss);
+        actions += frame.action == TreeAction::kKept ? '.' : frame.action == TreeAction::kRefitted ? 'f' : 'R';
+    }
+    if (losses.empty()) return;
+    char text[32];
+    std::snprintf(text, sizeof text, "loss %.1f %%", losses.back());
+    ImGui::PlotLines("##loss", losses.data(), static_cast<int>(losses.size()), 0, text, 0.0f, FLT_MAX,
+                     {ImGui::GetContentRegionAvail().x, 3.0f * ImGui::GetFontSize()});
+    const size_t room = static_cast<size_t>(ImGui::GetContentRegionAvail().x / ImGui::CalcTextSize("f").x);
+    ImGui::TextUnformatted(actions.c_str() + (actions.size() > room ? actions.size() - room : 0));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("its tree, frame by frame: . kept, f refitted, R rebuilt");
+}
+
 void draw_timeline(WindowState& state) {
     const double end_s = state.clips[state.clip].duration_s;
     if (ImGui::Button(state.is_playing ? "pause" : "play", {5.0f * ImGui::GetFontSize(), 0.0f}))
@@ -165,8 +237,10 @@ void draw_help(WindowState& state) {
 
 }  // namespace
 
-void draw_panels(WindowState& state) {
-    use_keys(state);
+void draw_panels(WindowState& state, std::span<const int> keys) {
+    if (!ImGui::GetIO().WantTextInput) {
+        for (const int key : keys) use_key(state, key);
+    }
     const ImGuiViewport* const viewport = ImGui::GetMainViewport();
     const float font = ImGui::GetFontSize();
     const float panel_width = 20.0f * font, timeline_height = ImGui::GetFrameHeightWithSpacing();
@@ -189,9 +263,17 @@ void draw_panels(WindowState& state) {
     ImGui::Separator();
     draw_choices(state);
     ImGui::Separator();
+    draw_node(state);
+    ImGui::Separator();
     draw_stage_graph(state.history);
     ImGui::Separator();
     draw_counts(state);
+    if (!state.message.empty()) {
+        ImGui::Separator();
+        ImGui::PushTextWrapPos(0.0f);
+        ImGui::TextUnformatted(state.message.c_str());
+        ImGui::PopTextWrapPos();
+    }
     ImGui::EndChild();
     draw_timeline(state);
     ImGui::End();

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <span>
+
 #include "apps/demo/window_state.h"
 
 namespace zoe {
 
 /// Puts the whole interface on the window: the picture, the panel beside it, the timeline under it, and the keys. Changes
 /// the state as the user does. Never waits.
-void draw_panels(WindowState& state);
+/// keys       that went down since the last call, by GLFW's numbers.
+void draw_panels(WindowState& state, std::span<const int> keys);
 
 /// The five stage times of the latest frames as lines, on a logarithmic scale, and the newest as numbers.
 void draw_stage_graph(const std::deque<FrameStats>& history);

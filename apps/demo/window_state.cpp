@@ -27,6 +27,8 @@ LiveRequest WindowState::request() const {
     request.width = picture_width;
     request.height = picture_height;
     request.is_playing = is_playing;
+    request.picked = picked;
+    request.motions = motions;
     return request;
 }
 
@@ -52,6 +54,31 @@ void WindowState::step(int frame_count) {
 void WindowState::free_camera() {
     if (camera >= 0 && picture.width > 0) orbit = orbit_from_view(picture.view, picture.bounds);
     camera = -1;
+}
+
+void WindowState::pick(float x, float y) {
+    node_history.clear();
+    picked.reset();
+    if (picture.width == 0 || !(x >= 0.0f && x < 1.0f && y >= 0.0f && y < 1.0f)) return;
+    const auto column = static_cast<size_t>(x * float(picture.width)), row = static_cast<size_t>(y * float(picture.height));
+    const NodeId node = picture.nodes[row * picture.width + column];
+    if (node != kNone<NodeId>) picked = node;
+}
+
+void WindowState::force_motion(std::optional<Motion> motion) {
+    std::erase_if(motions, [&](const auto& forced) { return forced.first == picked; });
+    if (motion) motions.emplace_back(*picked, *motion);
+}
+
+void WindowState::note_picture() {
+    if (!picture.is_new_frame) return;
+    history.push_back(picture.stats);
+    if (history.size() > kHistorySize) history.pop_front();
+    if (!picture.picked || picture.picked->node != picked) return;
+    const NodeReport& report = picture.picked->report;
+    const double share = report.tree_cost > 0.0 ? report.ray_loss / report.tree_cost : 0.0;
+    node_history.push_back({report.action, static_cast<float>(share)});
+    if (node_history.size() > kHistorySize) node_history.pop_front();
 }
 
 WindowState make_window_state(const std::string& name, const Scene& scene, const Tlas& tlas) {

@@ -38,6 +38,17 @@ struct WindowState {
     bool is_playing = true, is_looping = true, is_help_shown = false, is_closing = false;
     int picture_width = 0, picture_height = 0;  ///< Of the place for it in the window.
 
+    std::optional<NodeId> picked;
+    std::vector<std::pair<NodeId, Motion>> motions;  ///< Classes that nodes are forced to.
+    /// What new frames did to the picked node.
+    struct NodeFrame {
+        TreeAction action;
+        float loss;  ///< Share of a ray's work in it that a new tree would save.
+    };
+    std::deque<NodeFrame> node_history;
+    std::string message;         ///< What went wrong last; empty: nothing.
+    bool saves_picture = false;  ///< The window is to be saved once it is drawn.
+
     LivePicture picture;
     unsigned texture = 0;
     std::deque<FrameStats> history;  ///< Of the latest frames.
@@ -50,6 +61,12 @@ struct WindowState {
     void step(int frame_count);
     /// Makes the free camera see what is seen now.
     void free_camera();
+    /// Picks what is seen at a place of the picture, both from 0 to 1; the sky: nothing.
+    void pick(float x, float y);
+    /// Forces the picked node's class; none: as the scene says.
+    void force_motion(std::optional<Motion> motion);
+    /// Takes in a picture that was just made.
+    void note_picture();
 };
 
 /// Asks the scene for the lists.

@@ -13,6 +13,7 @@
 #include "engine/bvh/reach.h"
 #include "engine/frame/build_tlas.h"
 #include "engine/frame/classify.h"
+#include "engine/frame/node_report.h"
 #include "engine/frame/open_instances.h"
 #include "engine/frame/refine.h"
 
@@ -67,11 +68,12 @@ struct OwnShape {
 struct Shape {
     NodeId node = kNone<NodeId>;
     NodeMotion motion;
-    MeshId mesh = kNone<MeshId>;           ///< Shown in this frame.
-    bool is_changed = true;                ///< Its vertices are other than in the last frame.
-    bool is_topology_changed = true;       ///< So may be its triangles.
-    bool has_blas = false;                 ///< `blas` holds the last frame's triangles.
-    uint32_t warned_not_finite_count = 0;  ///< Triangles that a warning told of.
+    MeshId mesh = kNone<MeshId>;            ///< Shown in this frame.
+    bool is_changed = true;                 ///< Its vertices are other than in the last frame.
+    bool is_topology_changed = true;        ///< So may be its triangles.
+    TreeAction action = TreeAction::kKept;  ///< Of this frame.
+    bool has_blas = false;                  ///< `blas` holds the last frame's triangles.
+    uint32_t warned_not_finite_count = 0;   ///< Triangles that a warning told of.
     uint64_t mesh_version = 0;
     std::span<const glm::vec3> positions, normals;  ///< This frame's: the mesh's own, the deformed, or the surface's.
     const Mesh* shown = nullptr;                    ///< Whose triangles are shown: the mesh, or its surface at a level.

@@ -36,13 +36,11 @@ Method method_for(Motion motion, const FrameState& state) {
     return {.is_refitted = false, .is_cached = false, .builder = BlasBuilder::kBinned};
 }
 
-enum class Action { kKeep, kRefit, kRebuild };
-
 // The cheapest that leaves the tree valid for this frame's vertices.
-Action action_for(const Shape& shape, const FrameState& state) {
-    if (!shape.has_blas || shape.is_topology_changed) return Action::kRebuild;
-    if (!shape.is_changed) return Action::kKeep;
-    return method_for(shape.motion.motion, state).is_refitted ? Action::kRefit : Action::kRebuild;
+TreeAction action_for(const Shape& shape, const FrameState& state) {
+    if (!shape.has_blas || shape.is_topology_changed) return TreeAction::kRebuilt;
+    if (!shape.is_changed) return TreeAction::kKept;
+    return method_for(shape.motion.motion, state).is_refitted ? TreeAction::kRefitted : TreeAction::kRebuilt;
 }
 
 struct CacheCounts {
@@ -92,7 +90,7 @@ void watch_anew(Shape* shape) {
 
 void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCounts* counts) {
     const Mesh& mesh = *shape->shown;
-    if (action_for(*shape, state) == Action::kRefit) {
+    if (action_for(*shape, state) == TreeAction::kRefitted) {
         const bool is_other = refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
         if (is_other) note_refit(read_tree(*shape->blas, shape->positions, mesh.corners), &shape->own->watch);
     } else {
@@ -158,6 +156,7 @@ void rebuild_worn(const Scene& scene, FrameState* state, FrameStats* stats) {
     for (const uint32_t k : work.worn) {
         --(work.refitted[k]->is_changed ? stats->refitted : stats->kept);
         ++stats->rebuilt;
+        work.refitted[k]->action = TreeAction::kRebuilt;
     }
 }
 
@@ -190,13 +189,15 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     refitted.clear();
     bool is_any_new = false;
     for (Shape& shape : state->shapes) {
-        const Action action = action_for(shape, *state);
+        const TreeAction action = shape.action = action_for(shape, *state);
         if (method_for(shape.motion.motion, *state).is_refitted) {
             refitted.push_back(&shape);
-            is_any_new |= action == Action::kRebuild;
+            is_any_new |= action == TreeAction::kRebuilt;
         }
-        (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
-        if (action == Action::kKeep) continue;
+        (action == TreeAction::kKept       ? stats->kept
+         : action == TreeAction::kRefitted ? stats->refitted
+                                           : stats->rebuilt) += 1;
+        if (action == TreeAction::kKept) continue;
         const bool is_shared = shape.is_shared();
         if (is_shared && state->is_shared_blas_built[index(shape.mesh)]) {
             shape.has_blas = true;

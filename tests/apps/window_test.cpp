@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 #include "engine/scene/image.h"
 #include "tests/apps/run_program.h"
@@ -53,6 +55,77 @@ TEST(Window, ShowsThePictureAndThePanel) {
     EXPECT_GE(color_count(380, 640), 8);  // text, graph, buttons
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     EXPECT_FALSE(std::filesystem::exists(folder / "imgui.ini"));
+}
+
+bool has_xdotool() {
+    try {
+        return run_program({"xdotool", "-v"}, "/").exit_code == 0;
+    } catch (const std::runtime_error&) {
+        return false;
+    }
+}
+
+/// Starts the demo's window, paused, sends it input, and saves it with F12. The small scene's two triangles face the camera.
+/// input      commands of xdotool, one a line.
+FloatImage window_after(const TempFolder& folder, const std::string& input) {
+    // On a loaded machine all takes longer: each picture is waited for, and the last of three counts.
+    const std::string script = "set -e\n" + std::string(ZOETROPE_DEMO) +
+                               " scene.gltf --size 640x400 --shade motion --spp 1 --screenshot end.png --after 40 &\n"
+                               "xdotool search --sync --onlyvisible --name Zoetrope >window.txt\n"
+                               "sleep 1\nxdotool key space\nsleep 0.5\nxdotool key Home\nsleep 0.5\n" +
+                               input +
+                               "for k in 0 1 2; do\n"
+                               "  sleep 0.5\n  xdotool key F12\n"
+                               "  for wait in $(seq 100); do [ -e zoetrope_000$k.png ] || sleep 0.1; done\n"
+                               "done\nxdotool key Escape\nwait $!\n";
+    folder.write("script.sh", script);
+    const Outcome outcome = run_program({"xvfb-run", "-a", "-s", "-screen 0 640x400x24", "sh", "script.sh"}, folder.path(),
+                                        {"WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+    return read_picture(folder / "zoetrope_0002.png");
+}
+
+/// Pixels whose colour is near, in [x_begin, x_end).
+int count_color(const FloatImage& image, const glm::vec3& color, int x_begin, int x_end) {
+    int count = 0;
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = x_begin; x < x_end; ++x) {
+            const float* const p = &image.values[(size_t{1} * y * image.width + x) * image.channels.size()];
+            count += glm::distance(glm::vec3(p[0], p[1], p[2]), color) < 0.02f;
+        }
+    }
+    return count;
+}
+
+TEST(Window, AnswersKeysAndClicks) {
+    if (!has_xvfb() || !has_xdotool()) GTEST_SKIP() << "xvfb-run or xdotool is not installed";
+    constexpr glm::vec3 kOutline(1.0f, 160.0f / 255.0f, 0.0f);
+    const TempFolder plain, clicked, helped;
+    for (const TempFolder* folder : {&plain, &clicked, &helped}) write_small_scene(*folder);
+    const FloatImage before = window_after(plain, "");
+    const int right = 340;  // Left of it is the picture.
+    EXPECT_EQ(count_color(before, kOutline, 0, right), 0);
+    // Where something is seen that is neither sky nor edge: a class's colour with itself all around.
+    const auto color_at = [&](int x, int y) {
+        return &before.values[(size_t{1} * y * before.width + x) * before.channels.size()];
+    };
+    const auto is_same = [&](int x, int y, int dx, int dy) {
+        return std::equal(color_at(x, y), color_at(x, y) + 3, color_at(x + dx, y + dy));
+    };
+    const float* const sky = color_at(12, 12);
+    int at_x = 0, at_y = 0;
+    for (int y = 20; y < 340 && at_x == 0; ++y) {
+        for (int x = 20; x < right - 20 && at_x == 0; ++x) {
+            const bool is_inside =
+                is_same(x, y, 8, 0) && is_same(x, y, -8, 0) && is_same(x, y, 0, 8) && is_same(x, y, 0, -8);
+            if (is_inside && !std::equal(sky, sky + 3, color_at(x, y))) at_x = x, at_y = y;
+        }
+    }
+    ASSERT_GT(at_x, 0) << "nothing is seen";
+    const std::string move = "xdotool mousemove " + std::to_string(at_x) + " " + std::to_string(at_y) + "\nsleep 0.5\n";
+    EXPECT_GT(count_color(window_after(clicked, move + "xdotool click 1\n"), kOutline, 0, right), 20)
+        << "the picked node's outline";
+    EXPECT_NE(window_after(helped, "xdotool key F1\n").values, before.values) << "the keys";
 }
 
 TEST(Window, DisplayThatCannotBeOpenedMeansHeadless) {
