@@ -14,7 +14,7 @@ namespace zoe {
 Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     Scene scene;
     scene.file = path.string();
-    GltfFile file = open_gltf(path, scene);
+    GltfFile file = open_gltf(path, options, scene);
     scene.materials = read_materials(file, scene);
     scene.images = read_images(file, options, scene);
     for (size_t i = 0; i < file.model.meshes.size(); ++i) {

@@ -201,7 +201,7 @@ void prepare_for_tinygltf(json& root, Scene& scene) {
 
 }  // namespace
 
-GltfFile open_gltf(const std::filesystem::path& path, Scene& scene) {
+GltfFile open_gltf(const std::filesystem::path& path, const GltfOptions& options, Scene& scene) {
     GltfFile file;
     file.name = path.string();
     file.folder = path.parent_path();
@@ -227,7 +227,7 @@ GltfFile open_gltf(const std::filesystem::path& path, Scene& scene) {
     read_images(root, file);
     prepare_for_tinygltf(root, scene);
 
-    file.numbers_left = 16 * file.byte_count + (uint64_t{1} << 24);
+    file.numbers_left = 16 * file.byte_count + options.max_free_numbers;
 
     const std::string text = root.dump();
     std::string error, warning;

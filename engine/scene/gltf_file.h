@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
-#include "engine/scene/scene.h"
+#include "engine/scene/gltf.h"
 
 namespace zoe {
 
@@ -63,6 +63,6 @@ struct GltfFile {
 /// Reads the file and its buffers, and checks its JSON.
 /// scene      gets the warnings.
 /// Throws     SceneError.
-GltfFile open_gltf(const std::filesystem::path& path, Scene& scene);
+GltfFile open_gltf(const std::filesystem::path& path, const GltfOptions& options, Scene& scene);
 
 }  // namespace zoe

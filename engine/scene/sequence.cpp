@@ -12,7 +12,6 @@
 
 #include "engine/deform/morph.h"
 #include "engine/deform/skin.h"
-#include "engine/scene/gltf.h"
 
 namespace zoe {
 namespace {
@@ -188,8 +187,8 @@ std::vector<MaterialId> merge_materials(Scene& scene, Scene& frame) {
     return materials;
 }
 
-Mesh read_frame(const fs::path& file, Scene& scene) {
-    Scene frame = load_gltf(file);
+Mesh read_frame(const fs::path& file, const GltfOptions& options, Scene& scene) {
+    Scene frame = load_gltf(file, options);
     for (const auto& [text, count] : frame.warnings()) {
         for (uint64_t i = 0; i < count; ++i) scene.warn(text);
     }
@@ -216,7 +215,7 @@ bool is_sequence_pattern(const std::string& pattern) {
     return parse_pattern(fs::path(pattern).filename().string()).has_value();
 }
 
-Scene load_sequence(const std::string& pattern, double fps) {
+Scene load_sequence(const std::string& pattern, double fps, const GltfOptions& options) {
     if (!(fps > 0.0 && std::isfinite(fps))) throw SceneError(pattern, "", fmt::format("{} frames a second", fps));
     Scene scene;
     scene.file = pattern;
@@ -225,7 +224,7 @@ Scene load_sequence(const std::string& pattern, double fps) {
     node.sequence.emplace();
     node.sequence->fps = fps;
     for (const auto& [number, file] : find_files(pattern))
-        node.sequence->meshes.push_back(scene.add(read_frame(file, scene)));
+        node.sequence->meshes.push_back(scene.add(read_frame(file, options, scene)));
     node.mesh = node.sequence->meshes.front();
     scene.add(std::move(node));
     const std::string broken = check(scene);

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/scene/scene.h"
+#include "engine/scene/gltf.h"
 
 namespace zoe {
 
@@ -11,7 +11,8 @@ bool is_sequence_pattern(const std::string& pattern);
 
 /// Reads a mesh a frame: all files that match `wave_%04d.glb`, in the order of their numbers, without gaps.
 /// Each file's shown meshes become one mesh in world space (its own animations do not play). One node shows them in turn.
+/// options    of each file; limits, too.
 /// Throws     SceneError where no file matches, a number is missing, or a file cannot be read.
-Scene load_sequence(const std::string& pattern, double fps = 24.0);
+Scene load_sequence(const std::string& pattern, double fps = 24.0, const GltfOptions& options = {});
 
 }  // namespace zoe

@@ -23,8 +23,10 @@ namespace fs = std::filesystem;
 
 // What is played: more than that takes seconds, and shows nothing that less does not.
 constexpr size_t kMaxNodes = 2000, kMaxTriangles = 20000;
-constexpr uint64_t kMaxPixels = 1 << 20;
 constexpr int kRaysAFrame = 6;
+
+// Less than any user's: a file that is too much is refused as any other is, and sooner.
+constexpr GltfOptions kOptions{.max_pixels = 1 << 18, .max_free_numbers = 1 << 16};
 
 size_t shown_triangle_count(const Scene& scene) {
     size_t count = 0;
@@ -108,7 +110,7 @@ FuzzOutcome load_and_play(const std::string& file, Load&& load) {
 
 /// A folder with what scenes may name, for as long as the program runs.
 const TempFolder& scene_folder() {
-    static const TempFolder folder;
+    static const TempFolder folder(memory_folder());
     static const bool is_filled = [] {
         std::vector<uint8_t> pixels(4 * 4 * 4, 200);
         write_png(folder / "a.png", 4, 4, pixels);
@@ -124,7 +126,7 @@ const TempFolder& scene_folder() {
 FuzzOutcome fuzz_gltf(FuzzBytes bytes) {
     static const fs::path file = scene_folder() / "scene.gltf";
     overwrite(file, bytes);
-    return load_and_play(file.string(), [] { return load_gltf(file, {.max_pixels = kMaxPixels}); });
+    return load_and_play(file.string(), [] { return load_gltf(file, kOptions); });
 }
 
 FuzzOutcome fuzz_image(FuzzBytes bytes) {
@@ -132,13 +134,13 @@ FuzzOutcome fuzz_image(FuzzBytes bytes) {
     Image image;
     std::string error;
     try {
-        outcome.is_accepted = decode_image(bytes, &image, &error, kMaxPixels);
+        outcome.is_accepted = decode_image(bytes, &image, &error, kOptions.max_pixels);
     } catch (const std::exception& exception) {
         return {false, std::string("an exception: ") + exception.what()};
     }
     const size_t pixel_count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
     if (outcome.is_accepted) {
-        const bool is_sound = image.width > 0 && image.height > 0 && pixel_count <= kMaxPixels;
+        const bool is_sound = image.width > 0 && image.height > 0 && pixel_count <= kOptions.max_pixels;
         if (!is_sound || image.pixels.size() != 4 * pixel_count) {
             outcome.broken = fmt::format("{} bytes for {} x {} pixels", image.pixels.size(), image.width, image.height);
         }
@@ -151,7 +153,7 @@ FuzzOutcome fuzz_image(FuzzBytes bytes) {
 }
 
 FuzzOutcome fuzz_sequence(FuzzBytes bytes) {
-    static const TempFolder folder;
+    static const TempFolder folder(memory_folder());
     static const std::string pattern = (folder / "a_%d.glb").string();
     const size_t file_count = bytes.empty() ? 0 : std::to_integer<size_t>(bytes[0]) % 3 + 1;
     if (!bytes.empty()) bytes = bytes.subspan(1);
@@ -171,7 +173,7 @@ FuzzOutcome fuzz_sequence(FuzzBytes bytes) {
         overwrite(file, bytes.first(size));
         bytes = bytes.subspan(size);
     }
-    return load_and_play(folder.path().string(), [] { return load_sequence(pattern); });
+    return load_and_play(folder.path().string(), [] { return load_sequence(pattern, 24.0, kOptions); });
 }
 
 std::string join_sequence(std::span<const std::string> files) {

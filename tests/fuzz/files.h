@@ -10,6 +10,9 @@
 
 namespace zoe::test {
 
+/// A folder whose files take no disk, where the system has one; else the one for temporary files.
+std::filesystem::path memory_folder();
+
 /// Writes a file from its beginning, in the place of what was in it. By system calls: this is done millions of times.
 /// Throws     std::runtime_error.
 void overwrite(const std::filesystem::path& file, std::span<const std::byte> bytes);

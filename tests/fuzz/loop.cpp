@@ -21,11 +21,11 @@ namespace zoe::test {
 namespace {
 
 constexpr unsigned kMostSeconds = 30;
-// A scene of a few kilobytes takes up to 2^24 numbers, some of them twice; a sanitizer keeps what was freed.
+// A scene of a few kilobytes takes up to 2^22 numbers, some of them several times; a sanitizer keeps what was freed.
 #if defined(__SANITIZE_ADDRESS__)
-constexpr long kMostKilobytes = 3 << 20;
+constexpr long kMostKilobytes = 3 << 19;
 #else
-constexpr long kMostKilobytes = 1 << 20;
+constexpr long kMostKilobytes = 1 << 19;
 #endif
 
 // What a handler writes: only what it may, ready beforehand.

@@ -96,5 +96,16 @@ TEST(Sequence, GapsAndBrokenFilesAreRefused) {
     EXPECT_NE(sequence_error((folder / "a.glb").string()), "");
 }
 
+TEST(Sequence, LimitsAreEachFiles) {
+    const TempFolder folder;
+    GlbBuilder zeros;
+    zeros.mesh({{"attributes", {{"POSITION", zeros.accessor_of(-1, kFloat, "VEC3", 30000)}}}});
+    zeros.push("nodes", {{"mesh", 0}});
+    for (const char* name : {"a_1.glb", "a_2.glb"}) write_file(folder / name, zeros.glb());
+    const std::string pattern = (folder / "a_%d.glb").string();
+    EXPECT_EQ(load_sequence(pattern, 24.0, {.max_free_numbers = 150000}).nodes[0].sequence->meshes.size(), 2u);
+    EXPECT_THROW(load_sequence(pattern, 24.0, {.max_free_numbers = 100000}), SceneError);
+}
+
 }  // namespace
 }  // namespace zoe::test
