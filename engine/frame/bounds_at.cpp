@@ -38,7 +38,7 @@ Aabb bounds(const Scene& scene, FrameState* state) {
     Aabb all;
     for (Shape& shape : state->shapes) {
         const std::span<const glm::uvec3> corners = shape.shown->corners;
-        if (shape.blas == &shape.own_blas) {
+        if (!shape.is_shared()) {
             if (shape.is_changed) shape.has_blas = false;
             all.extend(bounds_world(shape, *state, bounds_of(shape.positions, corners)));
             continue;

@@ -16,10 +16,6 @@ namespace {
 constexpr size_t kGrain = 512;
 constexpr size_t kAhead = 8;  // Instances that memory is asked for before their turn.
 
-bool is_shared(const Shape& shape) {
-    return shape.blas != &shape.own_blas;
-}
-
 // Looks at a BLAS once for all shapes in a row that show it.
 class BlasSummary {
 public:
@@ -27,7 +23,7 @@ public:
         if (shape.blas == blas_) return;
         blas_ = shape.blas;
         bounds_ = blas_->tree.bounds();
-        const bool is_measured = is_shared(shape) && !scratch.reaches.empty();
+        const bool is_measured = shape.is_shared() && !scratch.reaches.empty();
         reach_ = is_measured ? scratch.reaches[index(shape.mesh)].get() : nullptr;
     }
     const Aabb& bounds() const { return bounds_; }
@@ -68,7 +64,7 @@ void measure_reaches(const Scene& scene, FrameState* state) {
     std::vector<uint32_t> still_count(scene.meshes.size());
     for (const Shape& shape : state->shapes) {
         std::unique_ptr<Reach>& reach = scratch.reaches[index(shape.mesh)];
-        if (!is_shared(shape) || reach) continue;
+        if (!shape.is_shared() || reach) continue;
         const bool is_turned = !(world_from_local(shape, *state) == Affine{});
         if (shape.motion.motion == Motion::kRigid || (is_turned && ++still_count[index(shape.mesh)] > 1)) {
             reach = std::make_unique<Reach>();

@@ -113,10 +113,10 @@ void deform_shape(const Scene& scene, const FrameState& state, Shape* shape) {
 }  // namespace
 
 void deform(Scene& scene, FrameState* state, FrameStats* stats) {
-    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) deform_shape(scene, *state, &state->shapes[k]);
+    parallel_for(0, state->active_shapes.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) deform_shape(scene, *state, state->active_shapes[k]);
     });
-    for (const Shape& shape : state->shapes) stats->deformed += shape.is_deformed ? 1 : 0;
+    for (const Shape* shape : state->active_shapes) stats->deformed += shape->is_deformed ? 1 : 0;
     refine(scene, state, stats);
 }
 

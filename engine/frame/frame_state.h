@@ -74,6 +74,8 @@ struct Shape {
     BlasScratch blas_scratch;  ///< Kept where the tree is rebuilt whenever vertices move; else released after the build.
     TreeWatch watch;           ///< Of a tree that is refitted.
     Blas* blas = nullptr;      ///< own_blas, or one shared by all nodes that show the mesh undeformed.
+
+    bool is_shared() const { return blas != &own_blas; }
 };
 
 /// Memory that one frame's top level hands to the next.
@@ -139,7 +141,10 @@ struct FrameState {
     double time_s = 0.0;                                 ///< Of this frame.
     std::vector<float> sampled;                          ///< Scratch.
     std::vector<Shape> shapes;                           ///< In order of their nodes.
-    std::vector<MorphReach> morph_reaches;               ///< [mesh_count] of meshes with targets.
+    /// Of `shapes`, those that frames look at: all of them until they have trees, from then on those whose vertices may
+    /// move. A tree that nodes share is of vertices that don't.
+    std::vector<Shape*> active_shapes;
+    std::vector<MorphReach> morph_reaches;  ///< [mesh_count] of meshes with targets.
     std::map<SurfaceLevel, std::unique_ptr<Refined>> refined;
     std::map<MeshId, LevelChoice> level_choices;           ///< Of meshes whose surfaces have `pixels`.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.

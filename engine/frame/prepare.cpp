@@ -104,6 +104,7 @@ void prepare(Scene& scene, FrameState* state) {
         const bool has_one_level = node.sequence || !scene[node.mesh].surface || scene[node.mesh].surface->pixels == 0.0f;
         const bool is_shared = is_undeformed && has_one_level && shape.motion.motion <= Motion::kRigid;
         shape.blas = is_shared ? &state->shared_blases[index(node.mesh)] : &shape.own_blas;
+        state->active_shapes.push_back(&shape);
     }
     state->still_builder = choose_builder(count_still_triangles(scene, *state), scene.tree_build);
 }

@@ -52,18 +52,18 @@ void choose_levels(Scene& scene, FrameState* state) {
     if (scene.viewpoint && scene.viewpoint->node != kNone<NodeId> && index(scene.viewpoint->node) >= scene.nodes.size()) {
         throw SceneError(scene.file, "viewpoint", "there is no node " + std::to_string(index(scene.viewpoint->node)));
     }
-    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+    parallel_for(0, state->active_shapes.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            Shape& shape = state->shapes[k];
+            Shape& shape = *state->active_shapes[k];
             shape.is_capped = shape.is_capped && scene[shape.mesh].surface;
             const int level = scene[shape.mesh].surface ? level_of(scene, *state, &shape) : 0;
             if (level == 0) shape.refined = nullptr;
             shape.level = level;
         }
     });
-    for (const Shape& shape : state->shapes) {
-        if (!shape.is_capped) continue;
-        scene.warn("node " + std::to_string(index(shape.node)) + " '" + scene[shape.node].name +
+    for (const Shape* shape : state->active_shapes) {
+        if (!shape->is_capped) continue;
+        scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +
                    "': its subdivision surface would have to be finer than its finest level for the pixels asked for");
     }
 }
@@ -73,8 +73,8 @@ void drop_unused(FrameState* state) {
     if (state->level_choices.empty()) return;
     std::erase_if(state->refined, [&](const auto& entry) {
         if (!state->level_choices.contains(entry.first.mesh)) return false;
-        return std::none_of(state->shapes.begin(), state->shapes.end(), [&](const Shape& shape) {
-            return shape.mesh == entry.first.mesh && shape.level == entry.first.level;
+        return std::ranges::none_of(state->active_shapes, [&](const Shape* shape) {
+            return shape->mesh == entry.first.mesh && shape->level == entry.first.level;
         });
     });
 }
@@ -82,9 +82,9 @@ void drop_unused(FrameState* state) {
 // Refines what is not there yet, all of it at once.
 void make_missing(const Scene& scene, FrameState* state, FrameStats* stats) {
     std::vector<std::pair<const SurfaceLevel, std::unique_ptr<Refined>>*> missing;
-    for (const Shape& shape : state->shapes) {
-        if (shape.level == 0) continue;
-        const auto [found, is_new] = state->refined.try_emplace({shape.mesh, shape.level});
+    for (const Shape* shape : state->active_shapes) {
+        if (shape->level == 0) continue;
+        const auto [found, is_new] = state->refined.try_emplace({shape->mesh, shape->level});
         if (is_new) missing.push_back(&*found);
     }
     stats->subdivided += static_cast<uint32_t>(missing.size());
@@ -102,15 +102,15 @@ void make_missing(const Scene& scene, FrameState* state, FrameStats* stats) {
 }
 
 void show(const Scene& scene, FrameState* state, FrameStats* stats) {
-    for (Shape& shape : state->shapes) {
-        if (shape.level == 0) continue;
-        const Refined* refined = state->refined.at({shape.mesh, shape.level}).get();
-        if (refined != shape.refined || shape.level != shape.refined_level)
-            shape.is_topology_changed = shape.is_changed = true;
-        shape.refined = refined;
-        shape.refined_level = shape.level;
-        shape.shown = &refined->mesh;
-        stats->refined += shape.is_changed && !is_at_rest(scene, shape);
+    for (Shape* shape : state->active_shapes) {
+        if (shape->level == 0) continue;
+        const Refined* refined = state->refined.at({shape->mesh, shape->level}).get();
+        if (refined != shape->refined || shape->level != shape->refined_level)
+            shape->is_topology_changed = shape->is_changed = true;
+        shape->refined = refined;
+        shape->refined_level = shape->level;
+        shape->shown = &refined->mesh;
+        stats->refined += shape->is_changed && !is_at_rest(scene, *shape);
     }
 }
 
@@ -136,9 +136,9 @@ void refine(Scene& scene, FrameState* state, FrameStats* stats) {
     drop_unused(state);
     make_missing(scene, state, stats);
     show(scene, state, stats);
-    parallel_for(0, state->shapes.size(), 1, [&](size_t begin, size_t end) {
+    parallel_for(0, state->active_shapes.size(), 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
-            if (state->shapes[k].level > 0) evaluate_shape(scene, &state->shapes[k]);
+            if (state->active_shapes[k]->level > 0) evaluate_shape(scene, state->active_shapes[k]);
         }
     });
 }

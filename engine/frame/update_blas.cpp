@@ -180,6 +180,15 @@ void warn_of_not_finite(Scene& scene, std::span<Shape* const> work) {
     }
 }
 
+// Shapes that stand in shared trees have theirs: no later frame looks at them.
+void rest_shared(FrameState* state) {
+    std::erase_if(state->active_shapes, [](Shape* shape) {
+        if (!shape->is_shared()) return false;
+        shape->is_changed = shape->is_topology_changed = false;
+        return true;
+    });
+}
+
 }  // namespace
 
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
@@ -189,21 +198,21 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     work.clear();
     refitted.clear();
     bool is_any_new = false;
-    for (Shape& shape : state->shapes) {
-        const Action action = action_for(shape, *state);
-        if (method_for(shape.motion.motion, *state).is_refitted) {
-            refitted.push_back(&shape);
+    stats->kept += static_cast<uint32_t>(state->shapes.size() - state->active_shapes.size());
+    for (Shape* shape : state->active_shapes) {
+        const Action action = action_for(*shape, *state);
+        if (method_for(shape->motion.motion, *state).is_refitted) {
+            refitted.push_back(shape);
             is_any_new |= action == Action::kRebuild;
         }
         (action == Action::kKeep ? stats->kept : action == Action::kRefit ? stats->refitted : stats->rebuilt) += 1;
         if (action == Action::kKeep) continue;
-        const bool is_shared = shape.blas != &shape.own_blas;
-        if (is_shared && state->is_shared_blas_built[index(shape.mesh)]) {
-            shape.has_blas = true;
+        if (shape->is_shared() && state->is_shared_blas_built[index(shape->mesh)]) {
+            shape->has_blas = true;
             continue;
         }
-        if (is_shared) state->is_shared_blas_built[index(shape.mesh)] = 1;
-        work.push_back(&shape);
+        if (shape->is_shared()) state->is_shared_blas_built[index(shape->mesh)] = 1;
+        work.push_back(shape);
     }
     CacheCounts counts;
     parallel_for(0, work.size(), 1, [&](size_t begin, size_t end) {
@@ -216,6 +225,7 @@ void update_blas(Scene& scene, FrameState* state, FrameStats* stats) {
     std::vector<ClipTree>().swap(state->clip_trees);  // All have theirs now.
     rebuild_worn(scene, state, stats);
     warn_of_not_finite(scene, work);
+    rest_shared(state);
 }
 
 }  // namespace zoe
