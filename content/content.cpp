@@ -35,6 +35,7 @@ const std::array kMakers = {
     Maker{{"deforming", "a cloth of SIZE x SIZE quads in travelling waves (morph targets)", 100, 2000},
           make_deforming_scene},
     Maker{{"skinned", "SIZE walking figures with 14 joints each", 8, 2000}, make_skinned_scene},
+    Maker{{"character", "one walking figure of SIZE thousand triangles", 20, 1000}, make_character_scene},
     Maker{{"dancers", "SIZE dancing figures with creases: skinned cages of subdivision surfaces", 1, 2000},
           make_dancers_scene},
     Maker{{"surface", "a morphing ring: the subdivision surface of a cage of SIZE x SIZE quads", 24, 500},

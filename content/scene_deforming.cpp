@@ -88,7 +88,9 @@ constexpr std::array<Bone, 14> kBones = {{{"hips", -1, {0, 0.92f, 0}, 0, 0, 0},
                                           {"foot l", 9, {0.11f, 0.09f, 0}, 8, 0.3f, 0},
                                           {"foot r", 11, {-0.11f, 0.09f, 0}, 8, 0.8f, 0}}};
 
-Mesh make_walker(MaterialId material) {
+constexpr float kWalkerCell = 0.04f;  // Metres; of those in a crowd.
+
+Mesh make_walker(MaterialId material, float cell) {
     const BodyPiece pieces[] = {{0, {-.06f, .93f, 0}, {.06f, .93f, 0}, .13f, .13f},
                                 {1, {0, 1.0f, 0}, {0, 1.15f, 0}, .12f, .13f},
                                 {2, {0, 1.2f, 0}, {0, 1.36f, 0}, .14f, .15f},
@@ -105,7 +107,7 @@ Mesh make_walker(MaterialId material) {
                                 {11, {-.11f, .46f, 0}, {-.11f, .12f, 0}, .065f, .045f},
                                 {12, {.11f, .06f, 0}, {.11f, .045f, .14f}, .05f, .042f},
                                 {13, {-.11f, .06f, 0}, {-.11f, .045f, .14f}, .05f, .042f}};
-    Mesh mesh = make_body(pieces, static_cast<int>(kBones.size()), 0.04f, 0.05f, 0.03f);
+    Mesh mesh = make_body(pieces, static_cast<int>(kBones.size()), cell, 0.05f, 0.03f);
     mesh.name = "walker";
     set_material(mesh, material);
     return mesh;
@@ -123,7 +125,47 @@ Sampler swing_of(const Bone& bone, float figure_phase) {
     return sampler;
 }
 
+// A node that shows the mesh, and joints and a skin of its own.
+// placed     of the hips, from where bones are, under `parent`.
+void add_walker(Scene& scene, MeshId mesh, NodeId parent, const Trs& placed, float phase, const std::string& name) {
+    Skin skin;
+    skin.name = name;
+    for (const Bone& bone : kBones) {
+        const bool is_root = bone.parent < 0;
+        Node joint;
+        joint.name = bone.name;
+        joint.parent = is_root ? parent : skin.joints[static_cast<size_t>(bone.parent)];
+        joint.local.translation = bone.place - (is_root ? glm::vec3(0.0f) : kBones[static_cast<size_t>(bone.parent)].place);
+        if (is_root) {
+            joint.local.translation += placed.translation;
+            joint.local.rotation = placed.rotation;
+        }
+        const NodeId id = scene.add(std::move(joint));
+        skin.joints.push_back(id);
+        skin.joint_from_mesh.push_back(at(-bone.place));
+        if (!is_root) add_channel(scene, id, ChannelPath::kRotation, add_sampler(scene, swing_of(bone, phase)));
+    }
+    Node node;
+    node.name = name;
+    node.mesh = mesh;
+    node.skin = SkinId{static_cast<uint32_t>(scene.skins.size())};
+    scene.skins.push_back(std::move(skin));
+    scene.add(std::move(node));
+}
+
 }  // namespace
+
+// One walker, on the spot, whose mesh is fine.
+Content make_character_scene(int size) {
+    constexpr float kCoarse = 3288.0f;  // Triangles of the walkers in a crowd.
+    Content content;
+    Scene& scene = content.scene;
+    const float cell = kWalkerCell * std::sqrt(kCoarse / (1000.0f * static_cast<float>(size)));
+    const MeshId mesh = scene.add(make_walker(add_color(scene, "walker", 0xb5725a), cell));
+    add_walker(scene, mesh, kNone<NodeId>, Trs{}, 0.0f, "walker");
+    add_view(scene, {0.15f, 1.35f, 1.1f}, {0.0f, 1.27f, 0.0f}, 17.0f);
+    return content;
+}
 
 // Walkers on rings, eight on each; rings stand side by side. All show one mesh; each has joints and a skin of its own, and
 // its own phase.
@@ -132,7 +174,7 @@ Content make_skinned_scene(int size) {
     constexpr float kRadius = 1.2f, kApart = 2.9f;  // Metres.
     Content content;
     Scene& scene = content.scene;
-    const MeshId mesh = scene.add(make_walker(add_color(scene, "walker", 0xb5725a)));
+    const MeshId mesh = scene.add(make_walker(add_color(scene, "walker", 0xb5725a), kWalkerCell));
     const int ring_count = (size + kRing - 1) / kRing;
     const int columns = static_cast<int>(std::ceil(std::sqrt(static_cast<float>(ring_count))));
     NodeId ring_id = kNone<NodeId>;
@@ -148,34 +190,11 @@ Content make_skinned_scene(int size) {
         }
         const int on_ring = std::min(kRing, size - kRing * ring);
         const float share = static_cast<float>(i % kRing) / static_cast<float>(on_ring);
-        Skin skin;
-        skin.name = "walker " + std::to_string(i);
-        for (const Bone& bone : kBones) {
-            const bool is_root = bone.parent < 0;
-            Node joint;
-            joint.name = bone.name;
-            joint.parent = is_root ? ring_id : skin.joints[static_cast<size_t>(bone.parent)];
-            joint.local.translation =
-                bone.place - (is_root ? glm::vec3(0.0f) : kBones[static_cast<size_t>(bone.parent)].place);
-            if (is_root) {
-                const float angle = 2.0f * kPi * share;
-                joint.local.translation += kRadius * glm::vec3(std::cos(angle), 0, -std::sin(angle));
-                joint.local.rotation = glm::angleAxis(angle + kPi, glm::vec3(0, 1, 0));
-            }
-            const NodeId id = scene.add(std::move(joint));
-            skin.joints.push_back(id);
-            skin.joint_from_mesh.push_back(at(-bone.place));
-            if (!is_root) {
-                const float phase = share + 0.381966f * static_cast<float>(ring);
-                add_channel(scene, id, ChannelPath::kRotation, add_sampler(scene, swing_of(bone, phase)));
-            }
-        }
-        Node node;
-        node.name = skin.name;
-        node.mesh = mesh;
-        node.skin = SkinId{static_cast<uint32_t>(scene.skins.size())};
-        scene.skins.push_back(std::move(skin));
-        scene.add(std::move(node));
+        const float angle = 2.0f * kPi * share;
+        const Trs placed{.translation = kRadius * glm::vec3(std::cos(angle), 0, -std::sin(angle)),
+                         .rotation = glm::angleAxis(angle + kPi, glm::vec3(0, 1, 0))};
+        add_walker(scene, mesh, ring_id, placed, share + 0.381966f * static_cast<float>(ring),
+                   "walker " + std::to_string(i));
     }
     add_view(scene, {0.2f, 1.55f, 2.0f}, {0.0f, 1.05f, 0.0f}, 35.0f);
     return content;

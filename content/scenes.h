@@ -10,6 +10,7 @@ Content make_rigid_scene(int size);
 Content make_instances_scene(int size);
 Content make_deforming_scene(int size);
 Content make_skinned_scene(int size);
+Content make_character_scene(int size);
 Content make_dancers_scene(int size);
 Content make_surface_scene(int size);
 Content make_arbitrary_scene(int size);

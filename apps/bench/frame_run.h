@@ -15,9 +15,6 @@
 
 namespace zoe {
 
-/// Frames a second of every benchmark scene.
-inline constexpr double kBenchFps = 24.0;
-
 /// The first camera, or what holds the scene whole at the ends and in the middle of its frames.
 ViewChoice choose_view(Content& content, const BenchScene& scene);
 

@@ -25,6 +25,7 @@ std::string footer() {
         "  zoetrope-bench mixed --peer embree --peer-robust against Embree's watertight mode\n"
         "  zoetrope-bench --trees static --peer embree      each builder's trees, beside Embree's\n"
         "  zoetrope-bench fox.glb rigid-5000 --json x.json  a file, and a scene of the list at another size\n"
+        "  zoetrope-bench 'fox.glb*200' --peer embree       200 of them, side by side, each at its own time of the clip\n"
         "  zoetrope-bench instances-300 --frames 3 --size 64x64 --write-hashes h.txt\n"
         "  zoetrope-bench --expect-hashes h.txt             the same frames: are the hits still the same?\n\n"
         "Exit codes: 0 done, 1 a scene, a file or a hash is at fault, 2 the command line is, 130 interrupted.";
@@ -33,7 +34,8 @@ std::string footer() {
 
 void add_options(CLI::App& app, Options& options, Texts& texts) {
     app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-    app.add_option("SCENE", options.scenes, "Scenes of --list (all, unless told), .glb or .gltf files, mesh sequences")
+    app.add_option("SCENE", options.scenes,
+                   "Scenes of --list (all, unless told), .glb or .gltf files, mesh sequences; SCENE*N: N copies of one")
         ->type_name("")
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 

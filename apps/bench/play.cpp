@@ -11,7 +11,6 @@
 
 #include "apps/bench/frame_run.h"
 #include "apps/common/interrupt.h"
-#include "apps/common/open_scene.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
@@ -90,7 +89,7 @@ public:
         : scene_(scene),
           config_(config),
           report_(report),
-          content_(open_scene(scene.scene, kBenchFps)),
+          content_(open_bench_scene(scene)),
           frame_run_(content_, choose_view(content_, scene), scene.size) {
         if (config.is_exact) content_.scene.tlas_build.exact_up_to = std::numeric_limits<uint32_t>::max();
     }

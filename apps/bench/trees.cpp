@@ -93,7 +93,7 @@ double TreeComparison::frame_ms(const TreeRow& row) const {
 }
 
 TreeComparison compare_trees(const BenchScene& scene, const PlayConfig& config, const Report& report) {
-    Content content = open_scene(scene.scene, kBenchFps);
+    Content content = open_bench_scene(scene);
     FrameRun frame_run(content, choose_view(content, scene), scene.size);
     frame_run.run(0, nullptr, false);
     write_instruction_count("the rays are made");

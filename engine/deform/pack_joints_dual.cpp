@@ -25,7 +25,7 @@ bool is_rotation(const glm::dmat3& m) {
     return glm::determinant(m) > 0.0;
 }
 
-// What most joints are scaled by.
+// What most joints are scaled by; of two in the middle the smaller one, so that a single huge one does not count.
 // scratch    memory.
 double common_scale(std::span<const Affine> joints, std::span<const uint8_t> is_used, std::vector<double>* scratch) {
     scratch->clear();
@@ -36,7 +36,11 @@ double common_scale(std::span<const Affine> joints, std::span<const uint8_t> is_
     if (scratch->empty()) return 1.0;
     const auto middle = scratch->begin() + static_cast<ptrdiff_t>(scratch->size() / 2);
     std::nth_element(scratch->begin(), middle, scratch->end());
-    const double scale = *middle;
+    double scale = *middle;
+    if (scratch->size() % 2 == 0) {
+        const double before = *std::max_element(scratch->begin(), middle);
+        if (std::abs(before) < std::abs(scale)) scale = before;
+    }
     if (std::abs(std::abs(scale) - 1.0) <= kRounding) return std::copysign(1.0, scale);
     const double as_float = static_cast<float>(scale);
     return std::abs(as_float) >= std::numeric_limits<float>::min() ? as_float : 1.0;
@@ -92,6 +96,9 @@ void pack_joints_dual(std::span<const Affine> skin_from_mesh, std::span<const gl
         }
     }
     if (!is_stretched) packed->affines.clear();
+    packed->is_finite = std::ranges::all_of(packed->affines, [](const PackedAffine& affine) {
+        return std::all_of(affine.rows[0], affine.rows[0] + 12, [](float number) { return std::isfinite(number); });
+    });
 }
 
 }  // namespace zoe

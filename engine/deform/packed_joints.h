@@ -32,7 +32,7 @@ struct alignas(32) PackedMotion {
 /// Source     Kavan, Collins, Zara, O'Sullivan. Geometric Skinning with Approximate Dual Quaternion Blending. TOG 2008.
 struct PackedJoints {
     Skinning skinning = Skinning::kLinearBlend;
-    bool is_finite = true;              ///< All affines are.
+    bool is_finite = true;              ///< All affines are: none needs to be hidden by a weight of 0.
     float common_scale = 1.0f;          ///< Of dual quaternions; negative: a mirror.
     std::vector<PackedAffine> affines;  ///< [joint_count] matrices, or scales and shears, or empty.
     std::vector<PackedMotion> motions;  ///< [joint_count] of dual quaternions.
@@ -48,9 +48,10 @@ void pack_joints(std::span<const Affine> skin_from_mesh, PackedJoints* packed);
 
 /// Packs joint matrices for dual quaternions: linear part = common scale * rotation * stretch. The common scale is the
 /// median over the joints (so that a skeleton that is scaled or mirrored as a whole gives the same surface scaled or
-/// mirrored); the stretch, symmetric and about the joint's centre, is blended linearly and comes before the motion. A
-/// joint that is mirrored against the others has a stretch that is minus a positive one; one that flattens is turned by
-/// what is left of it: a plane, or the shortest way of a line, or, of a point, not at all.
+/// mirrored); the stretch, symmetric and about the joint's centre, is blended linearly and comes before the motion. A joint
+/// that is mirrored against the others has a stretch that is minus a positive one; one that flattens is turned by what is
+/// left of it: a plane, or the shortest way of a line, or, of a point, not at all. A joint so much larger than the common
+/// scale that its stretch overflows leaves vertices that follow it without a place: NaN or infinite.
 /// centres    [joint_count] where in the bind pose each joint is, from `joint_centres`.
 /// is_used    [joint_count] from `used_joints`: only those count for the median.
 /// Cost       O(joints), in double; no allocation once the memory is there.

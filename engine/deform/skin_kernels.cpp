@@ -1,6 +1,7 @@
 #include "engine/deform/skin_kernels.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -11,37 +12,30 @@
 #include <hwy/foreach_target.h>  // Compiles what follows once an instruction set.
 #include <hwy/highway.h>
 
+// In this order, each of which reads those before it:
+#include "engine/deform/vectors.inl"
+
+#include "engine/deform/quads.inl"
+
 #include "engine/deform/skin_group.inl"
-// Which this one reads.
+
 #include "engine/deform/skin_linear.inl"
-// Both of which this one reads.
+
 #include "engine/deform/skin_dual.inl"
 
 HWY_BEFORE_NAMESPACE();
 namespace zoe {
 namespace HWY_NAMESPACE {
 
-// kCount, kSkipsZero   as for `blend`.
-template <uint32_t kCount, bool kSkipsZero>
-void skin_linear_as(const SkinWork& work, size_t begin, size_t end) {
-    RowMemory memory;
-    for (size_t first = begin; first < end; first += kChunk) {
-        move_linear<kCount, kSkipsZero>(work, first, std::min(kChunk, end - first), &memory);
-    }
-}
-
 void skin_linear_range(const SkinWork& work, size_t begin, size_t end) {
-    if (!work.packed->is_finite) {
-        skin_linear_as<0, true>(work, begin, end);
-    } else if (work.influence_count == 4) {
-        skin_linear_as<4, false>(work, begin, end);
-    } else {
-        skin_linear_as<0, false>(work, begin, end);
+    QuadMemory memory;
+    for (size_t first = begin; first < end; first += kChunk) {
+        move_linear(work, first, std::min(kChunk, end - first), &memory);
     }
 }
 
 void skin_dual_range(const SkinWork& work, size_t begin, size_t end) {
-    RowMemory rows;
+    QuadMemory rows;
     DualMemory duals;
     for (size_t first = begin; first < end; first += kChunk) {
         move_dual(work, first, std::min(kChunk, end - first), &rows, &duals);

@@ -4,92 +4,88 @@ HWY_BEFORE_NAMESPACE();
 namespace zoe {
 namespace HWY_NAMESPACE {
 
-// The rows of a chunk's matrices, row by row, vertex by vertex.
-struct RowMemory {
-    alignas(64) float rows[3][4 * kChunk] = {};
-};
-
-// A matrix as the instruction set holds it.
-constexpr size_t kParts = (12 + kWidth - 1) / kWidth;
-struct Matrix {
-    Floats parts[kParts];
-};
-
-HWY_INLINE void store(const Matrix& m, size_t lane, RowMemory* memory) {
-    const QuadTag quad;
-#if HWY_MAX_BYTES >= 64
-    const hn::Half<FloatTag> half;
-    const auto low = hn::LowerHalf(half, m.parts[0]), high = hn::UpperHalf(half, m.parts[0]);
-    hn::Store(hn::LowerHalf(quad, low), quad, memory->rows[0] + 4 * lane);
-    hn::Store(hn::UpperHalf(quad, low), quad, memory->rows[1] + 4 * lane);
-    hn::Store(hn::LowerHalf(quad, high), quad, memory->rows[2] + 4 * lane);
-#elif HWY_MAX_BYTES >= 32
-    hn::Store(hn::LowerHalf(quad, m.parts[0]), quad, memory->rows[0] + 4 * lane);
-    hn::Store(hn::UpperHalf(quad, m.parts[0]), quad, memory->rows[1] + 4 * lane);
-    hn::Store(hn::LowerHalf(quad, m.parts[1]), quad, memory->rows[2] + 4 * lane);
-#else
-    for (size_t part = 0; part < kParts; ++part) hn::Store(m.parts[part], quad, memory->rows[part] + 4 * lane);
-#endif
+HWY_INLINE Quads load_affine(const SkinWork& work, size_t joint) {
+    const float* const from = work.packed->affines[joint].rows[0];
+    Quads affine;
+    for (size_t part = 0; part < kParts; ++part) affine.parts[part] = hn::Load(FloatTag(), from + part * kWidth);
+    return affine;
 }
 
-template <uint32_t kCount>
-HWY_INLINE bool is_weightless(const float* weights, uint32_t influence_count) {
-    if (kCount == 4) {
-        // Without the signs, the bits of 0 are 0.
-        uint64_t bits[2];
-        std::memcpy(bits, weights, sizeof bits);
-        return ((bits[0] | bits[1]) & 0x7fffffff7fffffffu) == 0;
+HWY_INLINE void add_weighted(const Quads& affine, Floats weight, Quads* sum) {
+    for (size_t part = 0; part < kParts; ++part) {
+        sum->parts[part] = hn::Add(sum->parts[part], hn::Mul(weight, affine.parts[part]));
     }
-    return std::all_of(weights, weights + influence_count, [](float weight) { return weight == 0.0f; });
 }
 
-// Weighted sum of a vertex's joint matrices. No weight at all: the first joint of its list.
-// kCount       how many influences a vertex has; 0: as the work says.
-// kSkipsZero   some matrix is not finite: it must not be multiplied with 0.
-template <uint32_t kCount, bool kSkipsZero>
-HWY_INLINE Matrix blend(const SkinWork& work, size_t vertex) {
-    const FloatTag d;
-    const uint32_t influence_count = kCount > 0 ? kCount : work.influence_count;
-    const float* const weights = work.weights + vertex * influence_count;
-    const uint16_t* const joints = work.joints + vertex * influence_count;
-    const PackedAffine* const affines = work.packed->affines.data();
-    Matrix sum;
-    if (HWY_UNLIKELY(is_weightless<kCount>(weights, influence_count))) {
-        const float* const first = affines[joints[0]].rows[0];
-        for (size_t part = 0; part < kParts; ++part) sum.parts[part] = hn::Load(d, first + part * kWidth);
-        return sum;
-    }
-    // From 0 on: a sum is never -0 then, and a joint without weight changes no bit of it.
-    for (size_t part = 0; part < kParts; ++part) sum.parts[part] = hn::Zero(d);
-    for (uint32_t k = 0; k < influence_count; ++k) {
+// Weighted sum of a vertex's joint matrices. No weight at all: the first joint of its list. Sums go from 0 on: they are
+// never -0 then, and a joint without weight changes no bit of them. kSkipsZero   some matrix is not finite: it must not be
+// multiplied with 0.
+template <bool kSkipsZero>
+HWY_INLINE Quads blend_any(const SkinWork& work, size_t vertex) {
+    const float* const weights = work.weights + vertex * work.influence_count;
+    const uint16_t* const joints = work.joints + vertex * work.influence_count;
+    bool is_weighted = false;
+    for (uint32_t k = 0; k < work.influence_count; ++k) is_weighted |= weights[k] != 0.0f;
+    if (HWY_UNLIKELY(!is_weighted)) return load_affine(work, joints[0]);
+    Quads sum = zero_quads();
+    for (uint32_t k = 0; k < work.influence_count; ++k) {
         if (kSkipsZero && weights[k] == 0.0f) continue;
-        const float* const matrix = affines[joints[k]].rows[0];
-        const Floats weight = hn::Set(d, weights[k]);
-        for (size_t part = 0; part < kParts; ++part) {
-            sum.parts[part] = hn::Add(sum.parts[part], hn::Mul(weight, hn::Load(d, matrix + part * kWidth)));
-        }
+        add_weighted(load_affine(work, joints[k]), hn::Set(FloatTag(), weights[k]), &sum);
     }
     return sum;
 }
 
-template <uint32_t kCount, bool kSkipsZero>
-HWY_INLINE void blend_chunk(const SkinWork& work, size_t first, size_t count, RowMemory* memory) {
-    for (size_t lane = 0; lane < count; ++lane) store(blend<kCount, kSkipsZero>(work, first + lane), lane, memory);
+// The same of four, some of which is not 0. What a vertex takes is loads most of all: one for its joints, one for its
+// weights.
+HWY_INLINE Quads blend_four(const SkinWork& work, size_t vertex) {
+    static_assert(std::endian::native == std::endian::little, "the first joint is in the lowest bits");
+    uint64_t joints;
+    std::memcpy(&joints, work.joints + 4 * vertex, sizeof joints);
+    const Floats weights = hn::LoadDup128(FloatTag(), work.weights + 4 * vertex);
+    Quads sum = zero_quads();
+    add_weighted(load_affine(work, joints & 0xffff), hn::Broadcast<0>(weights), &sum);
+    add_weighted(load_affine(work, joints >> 16 & 0xffff), hn::Broadcast<1>(weights), &sum);
+    add_weighted(load_affine(work, joints >> 32 & 0xffff), hn::Broadcast<2>(weights), &sum);
+    add_weighted(load_affine(work, joints >> 48), hn::Broadcast<3>(weights), &sum);
+    return sum;
 }
 
-HWY_INLINE Affines load(const RowMemory& memory, size_t lane) {
+// Tells whether some vertex of a whole chunk, of four influences each, has no weight at all.
+HWY_INLINE bool has_weightless(const float* weights) {
+    const FloatTag d;
+    auto is_any = hn::MaskFromVec(hn::Zero(d));
+    for (size_t lane = 0; lane < kChunk; lane += kWidth) {
+        Floats a, b, c, e;
+        hn::LoadInterleaved4(d, weights + 4 * lane, a, b, c, e);
+        const Floats bits = hn::Abs(hn::Or(hn::Or(a, b), hn::Or(c, e)));
+        is_any = hn::Or(is_any, hn::Eq(bits, hn::Zero(d)));
+    }
+    return !hn::AllFalse(d, is_any);
+}
+
+HWY_INLINE void blend_chunk(const SkinWork& work, size_t first, size_t count, QuadMemory* memory) {
+    const bool is_whole = count == kChunk && work.influence_count == 4;
+    if (!work.packed->is_finite) {
+        for (size_t lane = 0; lane < count; ++lane) store(blend_any<true>(work, first + lane), lane, memory);
+    } else if (is_whole && !has_weightless(work.weights + 4 * first)) {
+        for (size_t lane = 0; lane < kChunk; ++lane) store(blend_four(work, first + lane), lane, memory);
+    } else {
+        for (size_t lane = 0; lane < count; ++lane) store(blend_any<false>(work, first + lane), lane, memory);
+    }
+}
+
+HWY_INLINE Affines load(const QuadMemory& memory, size_t lane) {
     const FloatTag d;
     Affines m;
     for (int row = 0; row < 3; ++row) {
         Vectors& to = m.rows[row];
-        hn::LoadInterleaved4(d, memory.rows[row] + 4 * lane, to.x, to.y, to.z, m.translation[row]);
+        hn::LoadInterleaved4(d, memory.of[row] + 4 * lane, to.x, to.y, to.z, m.translation[row]);
     }
     return m;
 }
 
-template <uint32_t kCount, bool kSkipsZero>
-HWY_INLINE void move_linear(const SkinWork& work, size_t first, size_t count, RowMemory* memory) {
-    blend_chunk<kCount, kSkipsZero>(work, first, count, memory);
+HWY_INLINE void move_linear(const SkinWork& work, size_t first, size_t count, QuadMemory* memory) {
+    blend_chunk(work, first, count, memory);
     for (size_t lane = 0; lane < count; lane += kWidth) {
         Group group;
         group.load(work, first, lane, count);

@@ -2,89 +2,22 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <cstring>
 
-#include <glm/ext/vector_double3.hpp>
-#include <glm/geometric.hpp>
-
+#include "engine/deform/stencil_kernels.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
 
 namespace {
 
-constexpr size_t kGrain = 2048;
+constexpr size_t kGrain = 2048;  // A multiple of the widest vector: only the last range has a part of one.
 
-using Float4 = float __attribute__((vector_size(16)));
-
-/// Loads cage vertices four floats at a time; the fourth is whatever lies behind and is never stored.
-class Source {
-public:
-    explicit Source(std::span<const glm::vec3> points) : points_(points.data()), last_(points.size() - 1) {
-        std::memcpy(tail_, &points.back(), sizeof(glm::vec3));
-    }
-    Float4 operator[](uint32_t k) const {
-        // Behind the last one is nothing that may be read.
-        const void* from = k == last_ ? static_cast<const void*>(tail_) : points_ + k;
-        Float4 value;
-        std::memcpy(&value, from, sizeof(value));
-        return value;
-    }
-
-private:
-    const glm::vec3* points_;
-    size_t last_;
-    float tail_[4] = {};
-};
-
-Float4 load(const float* from) {
-    Float4 value;
-    std::memcpy(&value, from, sizeof(value));
-    return value;
-}
-
-glm::vec3 to_vec3(const Float4& v) {
-    return {v[0], v[1], v[2]};
-}
-
-void evaluate_positions(const StencilTable& stencils, const Source& source, size_t begin, size_t end, glm::vec3* positions) {
-    for (size_t v = begin; v < end; ++v) {
-        Float4 sum = {};
-        for (uint32_t k = stencils.offsets[v]; k < stencils.offsets[v + 1]; k += 4) {
-            const uint32_t* index = &stencils.indices[k];
-            const Float4 weights = load(&stencils.weights[k]);
-            for (int j = 0; j < 4; ++j) sum += weights[j] * source[index[j]];
-        }
-        positions[v] = to_vec3(sum);
-    }
-}
-
-glm::vec3 normal_of(const Float4& u, const Float4& v) {
-    // In double: squares of squares of small tangents would vanish.
-    const glm::dvec3 normal = glm::cross(glm::dvec3(to_vec3(u)), glm::dvec3(to_vec3(v)));
-    const double square = glm::dot(normal, normal);
-    return square > 0.0 ? glm::vec3(normal * (1.0 / std::sqrt(square))) : glm::vec3(0.0f);
-}
-
-void evaluate_both(const StencilTable& stencils, const Source& source, size_t begin, size_t end, glm::vec3* positions,
-                   glm::vec3* normals) {
-    for (size_t vertex = begin; vertex < end; ++vertex) {
-        Float4 sum = {}, u = {}, v = {};
-        for (uint32_t k = stencils.offsets[vertex]; k < stencils.offsets[vertex + 1]; k += 4) {
-            const uint32_t* index = &stencils.indices[k];
-            const Float4 weights = load(&stencils.weights[k]);
-            const Float4 u_weights = load(&stencils.u_weights[k]), v_weights = load(&stencils.v_weights[k]);
-            for (int j = 0; j < 4; ++j) {
-                const Float4 point = source[index[j]];
-                sum += weights[j] * point;
-                u += u_weights[j] * point;
-                v += v_weights[j] * point;
-            }
-        }
-        positions[vertex] = to_vec3(sum);
-        normals[vertex] = normal_of(u, v);
-    }
+// Isolation keeps a thread that waits for others from taking up another evaluation: its memory stays as it is.
+const PaddedPoint* pad(std::span<const glm::vec3> points) {
+    thread_local std::vector<PaddedPoint> padded;
+    padded.resize(points.size());
+    for (size_t k = 0; k < points.size(); ++k) padded[k] = {points[k].x, points[k].y, points[k].z, 0.0f};
+    return padded.data();
 }
 
 }  // namespace
@@ -125,13 +58,11 @@ void evaluate(const StencilTable& stencils, std::span<const glm::vec3> cage_posi
     if (positions.empty()) return;
     assert(!cage_positions.empty());
     assert(normals.empty() || (normals.size() == positions.size() && stencils.u_weights.size() == stencils.weights.size()));
-    const Source source(cage_positions);
-    parallel_for(0, positions.size(), kGrain, [&](size_t begin, size_t end) {
-        if (normals.empty())
-            evaluate_positions(stencils, source, begin, end, positions.data());
-        else
-            evaluate_both(stencils, source, begin, end, positions.data(), normals.data());
-    });
+    const StencilWork work{.stencils = &stencils,
+                           .cage = pad(cage_positions),
+                           .positions = positions.data(),
+                           .normals = normals.empty() ? nullptr : normals.data()};
+    parallel_for(0, positions.size(), kGrain, [&](size_t begin, size_t end) { sum_stencils(work, begin, end); });
 }
 
 }  // namespace zoe

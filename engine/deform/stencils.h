@@ -31,7 +31,8 @@ void sort_entries(StencilTable* stencils, std::span<const uint32_t> rank);
 /// positions        [vertex_count] out.
 /// normals          [vertex_count] out, of length 1, or zero where the surface has none; or empty: not wanted.
 /// Requires   tangents in the stencils where normals are wanted.
-/// Cost       O(entries), one pass, no allocation.
+/// Cost       O(entries), one pass; no allocation once this thread has evaluated a cage as large. The same bits with every
+///            instruction set and on any number of threads.
 /// Source     Halstead, Kass, DeRose. Efficient, Fair Interpolation Using Catmull-Clark Surfaces. SIGGRAPH 1993.
 void evaluate(const StencilTable& stencils, std::span<const glm::vec3> cage_positions, std::span<glm::vec3> positions,
               std::span<glm::vec3> normals);

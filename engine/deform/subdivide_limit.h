@@ -35,6 +35,8 @@ struct Sector {
 
 /// The sector that the face at place `face` of a vertex's ring is in.
 /// level   the last level of refinement, with all of its topology. Sharpness above 0 counts as infinite.
+/// Where a sharp crease ends, that is all of the ring, as if it were smooth: the limit is off by some thousandths of an edge
+/// at level 1, by less than half as much with each level more, its normal by some degrees.
 Sector find_sector(const OpenSubdiv::Far::TopologyLevel& level, int vertex, int face);
 
 /// A vertex of the last level as it is seen from one of the faces in its ring.

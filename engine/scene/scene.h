@@ -170,7 +170,7 @@ public:
     /// Throws     SceneError where the mesh has no surface or another vertex count.
     void write_cage(MeshId mesh, std::span<const glm::vec3> positions);
 
-    /// Tells the engine that nodes, clips, skins or materials were changed by hand: the frame state starts anew.
+    /// Tells the engine that nodes, meshes, clips, skins or materials were changed by hand: the frame state starts anew.
     void touch() { frame.reset(); }
 
     /// Parents before children: every node's position in `nodes`, in an order that one loop can follow.

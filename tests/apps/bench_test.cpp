@@ -51,6 +51,8 @@ TEST(BenchBadInput, IsOneLineAndExitCodeTwo) {
     const TempFolder folder;
     expect_refused(folder, {"no_such_scene"}, 2, "default, static, rigid");
     expect_refused(folder, {"default", "rigid-0"}, 2, "rigid-0");
+    expect_refused(folder, {"rigid-5*0"}, 2, "rigid-5*0: after the * stands how many copies, from 1 to 10000");
+    expect_refused(folder, {"nowhere.glb*3"}, 2, "nowhere.glb");
     expect_refused(folder, {"--threads", "0"}, 2, "--threads");
     expect_refused(folder, {"--threads", "many"}, 2, "--threads");
     for (const char* const option : {"--threads", "--frames", "--repeats", "--size", "--peer", "--json"})
@@ -107,8 +109,8 @@ TEST(Bench, ListAndHelpExplain) {
     const TempFolder folder;
     const Outcome list = run_bench(folder, {"--list"});
     EXPECT_EQ(list.exit_code, 0);
-    for (const char* const name : {"default", "static", "rigid", "deforming", "skinned", "arbitrary", "topology", "mixed",
-                                   "instances-1000", "instances-10000", "instances-100000"})
+    for (const char* const name : {"default", "static", "rigid", "deforming", "skinned", "character", "arbitrary",
+                                   "topology", "mixed", "instances-1000", "instances-10000", "instances-100000"})
         EXPECT_NE(list.out.find(std::string("\n  ") + name + " "), std::string::npos) << name;
     const Outcome help = run_bench(folder, {"--help"});
     EXPECT_EQ(help.exit_code, 0);
@@ -174,6 +176,18 @@ TEST(Bench, JsonHasEveryField) {
     const auto commas = [](const std::string& line) { return std::ranges::count(line, ','); };
     EXPECT_EQ(commas(table[1]), commas(table[0]));
     EXPECT_EQ(commas(table[2]), commas(table[0]));
+}
+
+TEST(Bench, CopiesStandSideBySide) {
+    const TempFolder folder;
+    const Outcome outcome =
+        run_bench(folder, {"rigid-5*3", "--frames", "2", "--size", "16x16", "--repeats", "1", "--json", "x.json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json scene = Json::parse(read(folder / "x.json"))["scenes"][0];
+    EXPECT_EQ(scene["scene"], "rigid-5*3");
+    EXPECT_EQ(scene["nodes"]["rigid"], 15);
+    EXPECT_EQ(scene["triangles"], 15 * 1000);
+    for (const Json& frame : scene["frames"]) EXPECT_GT(frame["hits"], 0);
 }
 
 TEST(Bench, ThePeerRunsTheSameFrames) {

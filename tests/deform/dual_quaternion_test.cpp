@@ -311,6 +311,59 @@ TEST(DualQuaternionSkin, AWeightOfZeroHidesAJointThatIsNotFinite) {
     });
 }
 
+// Scales that are worlds apart: a vertex is where its joint takes it or nowhere, and the latter only where a joint that it
+// follows overflows against the common scale.
+TEST(DualQuaternionSkin, JointsThatOverflowTakeTheirOwnVerticesOnly) {
+    const uint64_t seed = 195;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    const std::array scales = {1e-30, 1e-3, 1.0, 1e8, 1e38};
+    size_t lost_count = 0, spared_count = 0;
+    for (int round = 0; round < 200; ++round) {
+        const size_t joint_count = 2 + rng.below(3);
+        std::vector<Affine> joints;
+        std::vector<double> sizes;
+        Points centres;
+        for (size_t k = 0; k < joint_count; ++k) {
+            sizes.push_back(scales[rng.below(scales.size())]);
+            const auto scale = static_cast<float>(rng.below(4) == 0 ? -sizes[k] : sizes[k]);
+            joints.push_back({scale * glm::mat3_cast(random_rotation(rng)), random_point(rng, std::abs(scale))});
+            centres.push_back(random_point(rng, 1.0f));
+        }
+        PackedJoints packed;
+        pack_joints_dual(joints, centres, std::vector<uint8_t>(joint_count, 1), &packed);
+        const double common = std::abs(double(packed.common_scale));
+        SkinBinding binding{2, {}, {}};
+        Points in;
+        for (uint16_t a = 0; a < joint_count; ++a) {
+            for (uint16_t b = 0; b < joint_count; ++b) {
+                binding.joints.insert(binding.joints.end(), {a, b, a, b});
+                binding.weights.insert(binding.weights.end(), {1.0f, 0.0f, 0.75f, 0.25f});
+                in.insert(in.end(), 2, random_point(rng, 0.5f));
+            }
+        }
+        on_each_target([&] {
+            Points out(in.size()), normals(in.size());
+            skin(binding, packed, in, in, out, normals);
+            for (size_t v = 0; v < in.size(); ++v) {
+                const size_t a = binding.joints[2 * v], b = binding.joints[2 * v + 1];
+                const bool is_of_both = v % 2 != 0;
+                const double largest = is_of_both ? std::max(sizes[a], sizes[b]) : sizes[a];
+                const bool may_be_lost = largest / common > 1e37;
+                EXPECT_TRUE(may_be_lost || is_finite(out[v])) << "round " << round << " vertex " << v;
+                lost_count += !is_finite(out[v]);
+                spared_count += is_finite(out[v]) && !packed.is_finite;
+                if (is_of_both || !is_finite(out[v])) continue;
+                const glm::dvec3 expected =
+                    glm::dmat3(joints[a].linear) * glm::dvec3(in[v]) + glm::dvec3(joints[a].translation);
+                EXPECT_LT(glm::distance(glm::dvec3(out[v]), expected), 2e-5 * (common + sizes[a])) << "round " << round;
+            }
+        });
+    }
+    EXPECT_GT(lost_count, 100u);
+    EXPECT_GT(spared_count, 1000u);
+}
+
 TEST(DualQuaternionSkin, CentresAreWhereBindMatricesPutTheirJoints) {
     const Affine inverse_bind = to_affine(Trs{{1, 2, 3}, glm::quat(0.5f, 0.5f, 0.5f, 0.5f), glm::vec3(2.0f)});
     const std::vector<glm::vec3> centres = joint_centres(std::vector<Affine>{inverse_bind, {glm::mat3(0.0f), {1, 1, 1}}});

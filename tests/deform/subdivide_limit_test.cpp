@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <tuple>
@@ -82,6 +83,70 @@ TEST(SubdivideLimit, NormalsAreThoseOfFineFacets) {
         }
         EXPECT_LT(bent_count, facets.size() / 500) << "round " << round;
     }
+}
+
+/// A sheet of random heights, with a crease of two edges that ends at its middle.
+constexpr uint32_t kMiddle = 12;
+PolygonMesh creased_sheet(Rng& rng, double sharpness) {
+    PolygonMesh mesh = sheet(4);
+    for (glm::dvec3& p : mesh.points) p.z = rng.uniform(-1.0f, 1.0f);
+    mesh.creases[edge_of(kMiddle, kMiddle - 1)] = mesh.creases[edge_of(kMiddle - 1, kMiddle - 2)] = sharpness;
+    return mesh;
+}
+
+/// Where a vertex with four quads goes in the end: by the mask of a smooth one, on a mesh that was refined by the textbook.
+glm::dvec3 smooth_limit(const PolygonMesh& mesh, uint32_t vertex) {
+    glm::dvec3 sum = 16.0 * mesh.points[vertex];
+    for (const std::vector<uint32_t>& face : mesh.faces) {
+        const auto at = std::find(face.begin(), face.end(), vertex) - face.begin();
+        if (at == 4) continue;
+        for (const int next : {1, 3}) sum += 2.0 * mesh.points[face[(at + next) % 4]];  // Each is in two of the faces.
+        sum += mesh.points[face[(at + 2) % 4]];
+    }
+    return sum / 36.0;
+}
+
+double distance_to(const Surface& surface, const glm::dvec3& place) {
+    double least = 1e30;
+    for (const glm::vec3& p : surface.positions) least = std::min(least, glm::distance(glm::dvec3(p), place));
+    return least;
+}
+
+TEST(SubdivideLimit, EndsOfCreasesThatLevelsUseUpAreExact) {
+    const uint64_t seed = 607;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    for (const double sharpness : {0.5, 1.0, 1.5, 2.0}) {
+        const PolygonMesh mesh = creased_sheet(rng, sharpness);
+        const glm::dvec3 expected = smooth_limit(mesh.catmull_clark().catmull_clark(), kMiddle);
+        for (const int level : {2, 3, 4}) {
+            EXPECT_LT(distance_to(surface_of(mesh, {.level = level}), expected), 2e-6) << sharpness << ", level " << level;
+        }
+    }
+}
+
+/// Of infinite ones, the limit is an approximation: both it and the limit are weighted means of what is around the end,
+/// which halves with each level.
+TEST(SubdivideLimit, EndsOfSharpCreasesComeNearer) {
+    const uint64_t seed = 608;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    double worst = 0.0;
+    for (int round = 0; round < 4; ++round) {
+        const PolygonMesh mesh = creased_sheet(rng, 20.0);
+        PolygonMesh deep = mesh;
+        for (int level = 0; level < 5; ++level) deep = deep.catmull_clark();
+        const glm::dvec3 expected = smooth_limit(deep, kMiddle);
+        constexpr double kOfDeep = 1e-4;  // What is left of it after five levels.
+        double error = 0.01;              // Of an edge's length, with one level.
+        for (const int level : {1, 2, 3}) {
+            const double found = distance_to(surface_of(mesh, {.level = level}), expected);
+            EXPECT_LT(found, error + kOfDeep) << "round " << round << ", level " << level;
+            error = 0.5 * found;
+            worst = std::max(worst, found);
+        }
+    }
+    EXPECT_GT(worst, 10.0 * 1e-4) << "nothing was compared";
 }
 
 TEST(SubdivideLimit, CopiesAtSeamsAndCreasesAreOnePoint) {

@@ -86,6 +86,7 @@ TEST(ContentList, SizesMeanWhatTheListSays) {
     EXPECT_EQ(make_content("surface", 20).scene.meshes[0].surface->cage.face_sizes.size(), 20u * 20);
     EXPECT_EQ(count_shown_triangles(make_content("arbitrary", 500).scene), 500u);
     EXPECT_EQ(make_content("skinned", 9).scene.skins.size(), 9u);
+    expect_about(count_shown_triangles(make_content("character", 8).scene), 8000, "character");
     EXPECT_EQ(count_shown_triangles(make_content("instances", 30).scene), 80u * 30);
     // 72,000 static, 5 x 1,000 rigid, 5,000 deforming, 1,000 exploding triangles a unit.
     expect_about(count_shown_triangles(make_content("mixed", 1).scene), 83'000, "mixed");

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "content/shapes.h"
+#include "engine/frame/bounds_at.h"
+#include "engine/frame/frame_state.h"
 #include "tests/frame/motion_class.h"
 
 namespace zoe::test {
@@ -104,6 +106,57 @@ TEST(Deformed, WhatIsLeftOutIsWhatAFreshSceneHas) {
             EXPECT_TRUE(std::ranges::equal(tlas[body].normals, expected[body].normals)) << "figure " << f;
         }
     }
+}
+
+size_t own_count(const Content& content) {
+    return content.scene.frame->own_shapes.size();
+}
+
+// Nodes that show their mesh as it is stand in a tree that they share. Once it is there, frames leave them alone; counters
+// count them on.
+TEST(Deformed, OnlyWhatMayDeformHasMemoryOfItsOwn) {
+    struct Look {
+        const char* name;
+        size_t own;
+    };
+    for (const Look& look : {Look{"static-500", 0},
+                             {"rigid-7", 0},
+                             {"instances-300", 0},
+                             {"deforming-5", 1},
+                             {"skinned-3", 3},
+                             {"mixed-1", 2}}) {
+        SCOPED_TRACE(look.name);
+        Content content = make_content(look.name);
+        if (content.write) content.write(content.scene, 0.0);
+        bounds_at(content.scene, 0.5);  // Makes no trees.
+        for (const double time_s : {0.0, 0.1, 0.2}) {
+            FrameStats stats;
+            play(content, time_s, &stats);
+            const size_t shape_count = content.scene.frame->shapes.size();
+            EXPECT_EQ(own_count(content), look.own) << "after " << time_s;
+            EXPECT_EQ(stats.kept + stats.refitted + stats.rebuilt, shape_count) << "at " << time_s;
+            EXPECT_GE(time_s == 0.0 ? stats.rebuilt : stats.kept, shape_count - look.own) << "at " << time_s;
+        }
+    }
+}
+
+TEST(Deformed, WhatIsWrittenAfterAFrameIsLookedAtAgain) {
+    Content content = make_content("rigid-7");
+    play(content, 0.0);
+    const Instance before = play(content, 0.0).instances[0];
+    const Mesh ball = make_sphere(0.1f, 6, 4);
+    for (uint32_t mesh = 0; mesh < content.scene.meshes.size(); ++mesh) {
+        content.scene.write_mesh(MeshId{mesh}, ball.positions, ball.normals, ball.corners);
+    }
+    for (const double time_s : {0.0, 0.1}) {
+        const Tlas& tlas = play(content, time_s);
+        EXPECT_EQ(own_count(content), 7u);
+        for (const Instance& instance : tlas.instances) {
+            EXPECT_EQ(instance.positions.size(), ball.positions.size());
+            EXPECT_EQ(instance.motion, Motion::kArbitrary);
+        }
+    }
+    EXPECT_NE(before.positions.size(), ball.positions.size());
 }
 
 }  // namespace

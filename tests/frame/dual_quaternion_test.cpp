@@ -91,5 +91,40 @@ TEST(DualQuaternionNodes, AnswerLikeAllDeformingNodes) {
     expect_all(scene(), 41);
 }
 
+// Two triangles side by side, whose joints are scaled by 1e-3 and by 1e38: the former is where it belongs, though it lists
+// the other joint without weight; the latter is dropped, and a warning says so.
+TEST(DualQuaternionNodes, AJointThatOverflowsTakesItsOwnTrianglesOnly) {
+    Scene scene;
+    Mesh mesh;
+    for (const float x : {0.0f, 3000.0f}) {
+        mesh.positions.insert(mesh.positions.end(), {{x, 0, 0}, {x + 2000, 0, 0}, {x, 2000, 0}});
+    }
+    mesh.corners = {{0, 1, 2}, {3, 4, 5}};
+    mesh.binding.influence_count = 4;
+    for (const uint16_t own : {0, 0, 0, 1, 1, 1}) {
+        mesh.binding.joints.insert(mesh.binding.joints.end(), {own, uint16_t(1 - own), 0, 0});
+        mesh.binding.weights.insert(mesh.binding.weights.end(), {1, 0, 0, 0});
+    }
+    Node small, huge, shown;
+    small.local.scale = glm::vec3(1e-3f);
+    huge.local.scale = glm::vec3(1e38f);
+    shown.mesh = scene.add(std::move(mesh));
+    shown.skin = SkinId{0};
+    const std::vector<NodeId> joints = {scene.add(small), scene.add(huge)};
+    scene.skins.push_back({"apart", joints, {Affine{}, Affine{}}, Skinning::kDualQuaternion});
+    const NodeId id = scene.add(shown);
+    const Tlas& tlas = advance(scene, 0.0);
+    const Hit hit = closest_hit(tlas, {.origin = {0.5f, 0.5f, 7}, .direction = {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    EXPECT_EQ(hit.primitive, 0u);
+    EXPECT_NEAR(hit.t, 7.0f, 1e-5f);
+    for (size_t v = 0; v < 3; ++v) {
+        const glm::vec3 expected = 1e-3f * scene[shown.mesh].positions[v];
+        EXPECT_LT(glm::distance(tlas[id].positions[v], expected), 1e-5f) << "vertex " << v;
+    }
+    ASSERT_EQ(scene.warnings().size(), 1u);
+    EXPECT_NE(scene.warnings().begin()->first.find("1 triangle with NaN or infinite corners"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace zoe::test
