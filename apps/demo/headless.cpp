@@ -95,6 +95,7 @@ std::vector<int> find_missing(const Options& options, PictureSize size, Run* run
 
 void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
     const PictureSize size = options.size.value_or(kDefaultSize);
+    set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
     const std::vector<int> missing = find_missing(options, size, run);
     Progress progress("rendering", static_cast<double>(missing.size()));
