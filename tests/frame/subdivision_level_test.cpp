@@ -75,7 +75,7 @@ TEST(SubdivisionLevel, ErrorsAreWithinThePixelsAskedFor) {
         EXPECT_LE(worst_pixels, kPixels) << away << " m away, level " << levels.back();
         // One level is a factor of four, and the estimate is on the safe side.
         if (levels.back() > 1) {
-            EXPECT_GT(worst_pixels, kPixels / 64) << away << " m away, level " << levels.back();
+            EXPECT_GT(worst_pixels, kPixels / 16) << away << " m away, level " << levels.back();
         }
     }
     EXPECT_TRUE(std::is_sorted(levels.rbegin(), levels.rend()));
