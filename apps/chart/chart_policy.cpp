@@ -117,7 +117,8 @@ std::string caption(const Chart& chart) {
     }
     return fmt::format(
         "A clip's rays ({} a triangle and frame), refits and rebuilds, in tests of a node's eight boxes. Default: a tree is "
-        "rebuilt once it has lost what that takes. That costs at most {} times the best choice of frames in hindsight ({}), "
+        "rebuilt once it has lost what that takes, or later while that is dear beside all other work. That costs at most {} "
+        "times the best choice of frames in hindsight ({}), "
         "and {} times the better of always refitting and always rebuilding ({}); it is below both in {} of {} motions. A "
         "rebuild is taken for {} tests a triangle; measured, it takes {} to {}.",
         kRaysATriangle, short_number(of_best), at_best, short_number(of_fixed), at_fixed, below_count, motion_count,

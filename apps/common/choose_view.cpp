@@ -1,5 +1,8 @@
 #include "apps/common/choose_view.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "apps/common/parse.h"
@@ -12,6 +15,34 @@ View ViewChoice::view(const Scene& scene, float aspect) const {
     if (camera) return view_from_camera(scene, *camera, aspect);
     if (look_at) return zoe::look_at(look_at->eye, look_at->target, look_at->fov_degrees, aspect);
     return frame_whole(bounds, aspect);
+}
+
+bool has_pixel_surfaces(const Scene& scene) {
+    return std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                       [](const Mesh& mesh) { return mesh.surface && mesh.surface->pixels > 0.0f; });
+}
+
+void set_viewpoint(const ViewChoice& choice, PictureSize size, float hysteresis, Scene* scene) {
+    scene->viewpoint.reset();
+    if (!has_pixel_surfaces(*scene)) return;
+    const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
+    Viewpoint viewpoint{.height_pixels = size.height, .hysteresis = hysteresis};
+    float half = 0.0f;
+    if (choice.camera) {
+        const Camera& camera = scene->cameras.at(index((*scene)[*choice.camera].camera));
+        if (!camera.is_perspective) {
+            scene->warn("surfaces that are to be as fine as their pixels show have their level: the camera is orthographic");
+            return;
+        }
+        viewpoint.node = *choice.camera;
+        half = half_height(camera, aspect);
+    } else {
+        const View view = choice.view(*scene, aspect);
+        viewpoint.eye_world = view.origin;
+        half = view.half_height;
+    }
+    viewpoint.yfov = 2.0f * std::atan(half);
+    scene->viewpoint = viewpoint;
 }
 
 std::vector<NodeId> camera_nodes(const Scene& scene) {

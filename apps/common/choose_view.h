@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/common/open_scene.h"
+#include "apps/common/parse.h"
 #include "engine/render/view.h"
 
 namespace zoe {
@@ -24,6 +25,14 @@ struct ViewChoice {
     /// Requires   an `advance` of the scene before, where a camera is chosen.
     View view(const Scene& scene, float aspect) const;
 };
+
+/// Whether a mesh of the scene is a surface that is as fine as its pixels show.
+bool has_pixel_surfaces(const Scene& scene);
+
+/// Makes such surfaces as fine as a picture of this view shows, in every frame from now on. For an orthographic camera they
+/// keep their `level`, with a warning.
+/// hysteresis   of the levels; 0 where pictures must not depend on those before.
+void set_viewpoint(const ViewChoice& choice, PictureSize size, float hysteresis, Scene* scene);
 
 /// The shown nodes that carry a camera, in the order of the nodes.
 std::vector<NodeId> camera_nodes(const Scene& scene);

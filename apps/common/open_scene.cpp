@@ -52,11 +52,14 @@ bool has_finite_triangles(const Mesh& mesh) {
 }
 
 void set_level(Scene& scene, int level) {
+    bool has_surface = false;
     for (Mesh& mesh : scene.meshes) {
         if (!mesh.surface) continue;
+        has_surface = true;
         mesh.surface->options.level = level;
         mesh.surface->pixels = 0.0f;
     }
+    if (!has_surface) throw UsageError(fmt::format("--subdivide {}: the scene has no subdivision surface", level));
     if (const std::string broken = check(scene); !broken.empty()) throw SceneError(scene.file, "", broken);
 }
 

@@ -14,7 +14,9 @@ namespace zoe {
 /// fps        Of a sequence's meshes: one a frame.
 /// level      Of all its subdivision surfaces, and makes the polygons of an .obj file the cage of one; none: as they say.
 /// Returns    the scene with this project's writer where it has one; its written meshes are those of time 0.
-/// Throws     SceneError for what cannot be read, or shows no triangles that could be hit.
+/// Throws     SceneError for what cannot be read, or shows no triangles that could be hit; UsageError for a level where
+/// there
+///            is no surface.
 Content open_scene(const std::string& name, double fps, std::optional<int> level = std::nullopt);
 
 /// Makes the frame at a time: the scene's own writer, then `advance`.

@@ -120,6 +120,7 @@ std::vector<int> find_missing(const Options& options, PictureSize size, Run* run
 
 void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
     const PictureSize size = options.size.value_or(kDefaultSize);
+    set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
     Layers layers;
     const bool has_layers = options.out.extension() == ".exr";

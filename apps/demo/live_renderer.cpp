@@ -29,10 +29,20 @@ void outline(NodeId node, LivePicture* picture) {
     }
 }
 
+ViewChoice view_choice(const LiveRequest& request) {
+    ViewChoice choice;
+    choice.camera = request.camera;
+    choice.look_at = request.look_at;
+    return choice;
+}
+
 }  // namespace
 
 LiveRenderer::LiveRenderer(Content& content, int max_samples, std::function<void()> on_picture)
-    : content_(content), max_samples_(max_samples), on_picture_(std::move(on_picture)) {
+    : content_(content),
+      max_samples_(max_samples),
+      follows_view_(has_pixel_surfaces(content.scene)),
+      on_picture_(std::move(on_picture)) {
     thread_ = std::thread([this] { loop(); });
 }
 
@@ -113,11 +123,17 @@ void LiveRenderer::work() {
     }
 }
 
+bool LiveRenderer::is_frame_shown(const LiveRequest& request) const {
+    const bool is_same_time =
+        request.time_s == shown_.time_s && request.clips == shown_.clips && request.is_looping == shown_.is_looping;
+    const bool is_same_view = request.camera == shown_.camera && request.look_at == shown_.look_at &&
+                              request.width == shown_.width && request.height == shown_.height;
+    return is_shown_ && is_same_time && request.motions == shown_.motions && (is_same_view || !follows_view_);
+}
+
 void LiveRenderer::advance_if_needed(const LiveRequest& request) {
-    if (is_shown_ && request.time_s == shown_.time_s && request.clips == shown_.clips &&
-        request.is_looping == shown_.is_looping && request.motions == shown_.motions) {
-        return;
-    }
+    if (is_frame_shown(request)) return;
+    set_viewpoint(view_choice(request), {request.width, request.height}, Viewpoint{}.hysteresis, &content_.scene);
     content_.scene.playback.is_looping = request.is_looping;
     content_.scene.playback.clips = request.clips;
     if (tlas_) report_rays(content_.scene, traced_rays_);
@@ -158,10 +174,7 @@ void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
 }
 
 bool LiveRenderer::pass(const LiveRequest& request) {
-    ViewChoice choice;
-    choice.camera = request.camera;
-    choice.look_at = request.look_at;
-    const View view = choice.view(content_.scene, float(request.width) / float(request.height));
+    const View view = view_choice(request).view(content_.scene, float(request.width) / float(request.height));
 
     RenderConfig config;
     config.shade = request.shade;

@@ -80,6 +80,7 @@ private:
     void loop();
     void work();
     void advance_if_needed(const LiveRequest& request);
+    bool is_frame_shown(const LiveRequest& request) const;
     void start_film(const LiveRequest& request, bool is_restart);
     bool pass(const LiveRequest& request);
     void publish(const LiveRequest& request);
@@ -98,6 +99,7 @@ private:
     // The render thread's own.
     Content& content_;
     const int max_samples_;
+    const bool follows_view_;  ///< What the scene shows depends on where it is seen from.
     std::function<void()> on_picture_;
     LiveRequest shown_;  ///< What the film holds.
     bool is_shown_ = false;

@@ -14,6 +14,13 @@ constexpr size_t kLookedAt = 512;  // Triangles of a large mesh, that stand for 
 // longer: a tree that seems to cost so much more than it did may be as good as any.
 constexpr double kSame = 1.1;
 
+// Whether a tree has lost what its rebuild costs, and as much more as it has to while that is dear beside all other work.
+bool is_due(double share, double build_work, const TreeWatch& watch) {
+    if (!(watch.lost_work > 0.0) || watch.lost_work < build_work) return false;
+    const bool is_cheap = build_work <= share * (watch.needed_work + watch.lost_work);
+    return is_cheap || watch.frame_loss >= build_work || watch.lost_work >= build_work + watch.needed_work;
+}
+
 }  // namespace
 
 TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners) {
@@ -29,20 +36,23 @@ TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, st
 }
 
 void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch) {
-    *watch = {.triangle_count = triangle_count, .built = built};
+    *watch = {.triangle_count = triangle_count, .built = built, .new_cost = built.cost};
 }
 
 void note_refit(const TreeReading& refitted, TreeWatch* watch) {
     const TreeReading& built = watch->built;
     const bool is_smaller = refitted.triangle_area < built.triangle_area;
-    const double new_cost = is_smaller ? built.cost * refitted.triangle_area / built.triangle_area : built.cost;
+    const double of_root = std::min(built.cost, 1.0), of_rest = built.cost - of_root;
+    const double new_cost = of_root + (is_smaller ? of_rest * refitted.triangle_area / built.triangle_area : of_rest);
     const double loss = refitted.cost - new_cost;
     watch->ray_loss = refitted.cost > kSame * new_cost ? loss : 0.0;
+    watch->new_cost = std::min(refitted.cost, new_cost);
 }
 
 void add_loss(double rays, TreeWatch* watch) {
     watch->frame_loss = rays * watch->ray_loss;
     watch->lost_work += watch->frame_loss;
+    watch->needed_work += rays * watch->new_cost;
 }
 
 void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* const> watches, std::vector<uint32_t>* chosen) {
@@ -51,7 +61,7 @@ void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* con
     double budget = 0.0;
     for (uint32_t k = 0; k < watches.size(); ++k) {
         budget += config.most_share * build_work(k);
-        if (watches[k]->lost_work > 0.0 && watches[k]->lost_work >= build_work(k)) chosen->push_back(k);
+        if (is_due(config.share, build_work(k), *watches[k])) chosen->push_back(k);
     }
     const auto is_worse = [&](uint32_t a, uint32_t b) {
         const double left = watches[a]->lost_work * watches[b]->triangle_count;

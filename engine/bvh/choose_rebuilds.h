@@ -26,32 +26,40 @@ TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, st
 /// What tracing a refitted tree loses beside a tree built for the same pose.
 struct TreeWatch {
     uint32_t triangle_count = 0;
-    TreeReading built;        ///< At the last build.
-    double ray_loss = 0.0;    ///< Of a ray, in the pose that it was refitted to last; 0 where it was not since.
-    double frame_loss = 0.0;  ///< Of all rays of this frame.
-    double lost_work = 0.0;   ///< Since the last build, this frame's counted.
+    TreeReading built;         ///< At the last build.
+    double ray_loss = 0.0;     ///< Of a ray, in the pose that it was refitted to last; 0 where it was not since.
+    double frame_loss = 0.0;   ///< Of all rays of this frame.
+    double lost_work = 0.0;    ///< Since the last build, this frame's counted.
+    double new_cost = 0.0;     ///< Of a ray, in a tree built for this pose: as estimated.
+    double needed_work = 0.0;  ///< What all rays since the last build would have taken in such trees.
 };
 
 /// Begins anew after a build.
 void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch);
 
 /// Estimates what a ray loses after a refit: the tree's cost, less what a new tree's would be. That is the last one's as it
-/// was built, and less by as much as the triangles have become smaller beside the root: else a tree whose first pose was a
-/// bad one would never be found wanting. A tenth more counts as nothing.
+/// was built, and what is below its root less by as much as the triangles have become smaller beside the root: else a tree
+/// whose first pose was a bad one would never be found wanting. A tenth more counts as nothing.
 void note_refit(const TreeReading& refitted, TreeWatch* watch);
 
 /// Adds what a frame's rays lose.
 /// rays       that enter the tree; need not be whole.
 void add_loss(double rays, TreeWatch* watch);
 
-/// Chooses the trees to be rebuilt before a frame is traced: those that will have lost what a rebuild costs. A tree that is
-/// bad at once is rebuilt before it has lost anything; none that is not told to wait loses more than a rebuild takes.
+/// Chooses the trees to be rebuilt before a frame is traced: those that will have lost what a rebuild takes. While that is
+/// more than `share` of all work since the last build, the rebuild waits, for the clip may end or turn back: until the loss
+/// is a rebuild's work and what the rays needed anyway. A tree that is bad at once is rebuilt before it has lost anything.
 ///
-/// Where newer trees are never worse than older ones, and new trees never better than estimated, refits and rebuilds take at
-/// most twice what the best choice in hindsight would: until a tree has lost a rebuild's work, that choice has lost as much
-/// or rebuilt. Where poses come back, an old tree that was kept may be good again: no rule that doesn't know what comes is
-/// always within three times of hindsight's then, with as few as two poses (Borodin, Linial, Saks. An Optimal On-Line
-/// Algorithm for Metrical Task System. JACM 1992); this one is within four.
+/// Where newer trees are never worse than older ones, and new trees never better than estimated, rays, refits and rebuilds
+/// take at most twice what the best choice in hindsight would: until then that one has lost as much, or rebuilt. Waiting
+/// longer would break this. Beside always refitting, a rebuild that turns out to be for nothing is a `share`, or happens
+/// where waiting would break it; no rule that keeps to twice hindsight has less. Losses that are not counted, a tenth of
+/// what a ray takes, come on top. Where poses come back, an old tree that was kept may be good again: no rule that doesn't
+/// know what comes is always within three times of hindsight's then, with as few as two poses (Borodin, Linial, Saks. An
+/// Optimal On-Line Algorithm for Metrical Task System. JACM 1992); this one is within four.
+///
+/// Tried, and no better: losses extrapolated by their trend; rebuilding the worst subtrees only, where a quarter of the
+/// triangles recovers from a fifth (explosion) to a third (twist) of what the whole tree has lost.
 ///
 /// A frame rebuilds all trees whose rebuild pays within it, and of the others so many as `most_share` allows, those first
 /// that lost most for their size. What is left loses on, and its turn comes.

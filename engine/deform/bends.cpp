@@ -16,6 +16,12 @@ namespace {
 namespace osd = OpenSubdiv;
 using Level = osd::Far::TopologyLevel;
 
+// Where a quadratic has second differences of 1 along the edges of a triangle, it is at most half of the sum of the edges'
+// products of barycentric coordinates away from it: 1/6 where all three are. Of a quad split in two, the diagonal's
+// difference is both sides' and twice the twist: 1/8 each, and 1/4. While an edge stays sharp, what it will be rounded off
+// by is a third.
+constexpr float kTriangleTurn = 1.0f / 6.0f, kQuadTurn = 1.0f / 4.0f, kTwist = 1.0f / 4.0f, kSharpTurn = 1.0f / 3.0f;
+
 constexpr float kNearest = 1e-6f;  // Metres from the eye, so that what is around it has finite pixels.
 
 // What a round leaves of a bend at a vertex of so many edges: the square of the largest eigenvalue below 1, or that of the
@@ -74,9 +80,9 @@ public:
             const uint32_t v = at(k), before = at(k + size - 1), after = at(k + 1);
             // A triangle's twist is that of the quads that a round makes of it, four times as large.
             if (size == 3) {
-                bends_.push_back({v, v, before, after, 2.0f / 3.0f, decay_of(3, false), 0.0f, true});
+                bends_.push_back({v, v, before, after, 2.0f / 3.0f, kTwist, decay_of(3, false), 0.0f, true});
             } else {
-                bends_.push_back({v, at(k + size / 2), before, after, -1.0f, decay_of(size, false), 0.0f, true});
+                bends_.push_back({v, at(k + size / 2), before, after, -1.0f, kTwist, decay_of(size, false), 0.0f, true});
             }
         }
     }
@@ -88,7 +94,8 @@ private:
 
     void add(int vertex, uint32_t a, uint32_t b, uint32_t c, float decay, float sharpness) {
         if (sharpness >= osd::Sdc::Crease::SHARPNESS_INFINITE) return;
-        bends_.push_back({static_cast<uint32_t>(vertex), a, b, c, 0.5f, decay, sharpness, false});
+        const float weight = sharpness > 0.0f ? kSharpTurn : is_loop_ ? kTriangleTurn : kQuadTurn;
+        bends_.push_back({static_cast<uint32_t>(vertex), a, b, c, 0.5f, weight, decay, sharpness, false});
     }
 
     const Level& level_;
@@ -121,7 +128,7 @@ void estimate_errors(std::span<const Bend> bends, std::span<const glm::vec3> pos
         // The surface around is within the ring of the vertex.
         const float reach = std::sqrt(std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)}));
         const float distance = glm::length(seen.world_from_local.point(v) - seen.eye_world) - reach;
-        float error = length * seen.pixels_at_1m / std::max(distance, kNearest) * std::exp2(-bend.sharpness);
+        float error = bend.weight * length * seen.pixels_at_1m / std::max(distance, kNearest) * std::exp2(-bend.sharpness);
         float* const worst = bend.is_twist ? twists : turns;
         for (int level = 1; level <= kMaxSubdivisionLevel; ++level) {
             const float smooth = std::clamp(static_cast<float>(level) - bend.sharpness, 0.0f, 1.0f);  // Of this round.
@@ -133,10 +140,8 @@ void estimate_errors(std::span<const Bend> bends, std::span<const glm::vec3> pos
             worst[level] = std::max(worst[level], error);
         }
     }
-    // Of a quadratic triangle with legs of 1: at most an eighth of each second difference, and a quarter of the twist. While
-    // an edge stays sharp, what it will be rounded off by is a third.
     errors[0] = std::numeric_limits<float>::infinity();
-    for (int level = 1; level <= kMaxSubdivisionLevel; ++level) errors[level] = turns[level] / 3.0f + twists[level] / 4.0f;
+    for (int level = 1; level <= kMaxSubdivisionLevel; ++level) errors[level] = turns[level] + twists[level];
 }
 
 }  // namespace zoe

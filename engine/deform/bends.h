@@ -19,6 +19,7 @@ namespace zoe {
 struct Bend {
     uint32_t v, a, b, c;
     float share;
+    float weight;     ///< How far triangles as large as the cage's faces may be off because of it, as a share of it.
     float decay;      ///< What is left of it after a round of refinement, as a share.
     float sharpness;  ///< Rounds for which it stays sharp, so that it halves in each; then it decays.
     bool is_twist;

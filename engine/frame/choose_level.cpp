@@ -7,8 +7,11 @@ namespace zoe {
 
 LevelChoice make_level_choice(const Mesh& mesh) {
     const SubdivisionSurface& surface = *mesh.surface;
-    return {.bends = find_bends(surface.cage, mesh.positions.size()),
-            .max_level = std::min(surface.max_level, finest_level(surface.cage, mesh.positions.size()))};
+    LevelChoice choice{.bends = find_bends(surface.cage, mesh.positions.size()),
+                       .max_level = std::min(surface.max_level, finest_level(surface.cage, mesh.positions.size()))};
+    for (int level = 0; level <= kMaxSubdivisionLevel; ++level)
+        choice.triangle_counts[level] = count_triangles(surface.cage, level);
+    return choice;
 }
 
 int choose_level(const LevelChoice& choice, std::span<const glm::vec3> cage_positions, const Seen& seen, float pixels,

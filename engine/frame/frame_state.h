@@ -52,6 +52,7 @@ struct OwnShape {
     std::vector<glm::vec3> deformed_positions, deformed_normals;
 
     int level = 0;           ///< Of subdivision; 0: the mesh has no surface.
+    int wanted_level = 0;    ///< By its pixels, before all surfaces' triangles were counted.
     Seen seen;               ///< From where, when the level was chosen by its pixels.
     bool is_capped = false;  ///< It would have had to be finer.
     const Refined* refined = nullptr;
@@ -150,6 +151,7 @@ struct FrameState {
     std::vector<MorphReach> morph_reaches;               ///< [mesh_count] of meshes with targets.
     std::map<SurfaceLevel, std::unique_ptr<Refined>> refined;
     std::map<MeshId, LevelChoice> level_choices;           ///< Of meshes whose surfaces have `pixels`.
+    std::vector<Shape*> finest;                            ///< Scratch: of those, the shapes of one level.
     std::vector<Blas> shared_blases;                       ///< [mesh_count] of meshes shown undeformed.
     std::vector<uint8_t> is_shared_blas_built;             ///< [mesh_count]
     std::vector<std::optional<Aabb>> shared_bounds;        ///< [mesh_count] or none: what `bounds_at` found of them.

@@ -42,10 +42,43 @@ int level_of(const Scene& scene, const FrameState& state, Shape* shape) {
                     .eye_world = has_node ? state.world_matrices[index(viewpoint.node)].translation : viewpoint.eye_world,
                     .pixels_at_1m = 0.5f * static_cast<float>(viewpoint.height_pixels) / tangent};
     const bool is_same_mesh = shape->own->refined && !shape->is_topology_changed;
-    if (is_same_mesh && !shape->is_changed && seen == shape->own->seen) return shape->own->level;
+    if (is_same_mesh && !shape->is_changed && seen == shape->own->seen) return shape->own->wanted_level;
     shape->own->seen = seen;
     return choose_level(state.level_choices.at(shape->mesh), shape->positions, seen, surface.pixels, viewpoint.hysteresis,
-                        is_same_mesh ? shape->own->level : 0, &shape->own->is_capped);
+                        is_same_mesh ? shape->own->wanted_level : 0, &shape->own->is_capped);
+}
+
+// Where surfaces with `pixels` would have more triangles than the viewpoint allows, makes some of them coarser. It depends
+// on this frame's levels alone.
+void limit_triangles(Scene& scene, FrameState* state) {
+    const auto count_of = [&](const Shape& shape, int level) {
+        return state->level_choices.at(shape.mesh).triangle_counts[level];
+    };
+    const auto is_chosen = [&](const Shape& shape) {
+        return shape.own->level > 0 && state->level_choices.contains(shape.mesh);
+    };
+    const uint64_t most = scene.viewpoint->max_triangles;
+    uint64_t sum = 0;
+    for (const Shape* shape : state->own_shapes) sum += is_chosen(*shape) ? count_of(*shape, shape->own->level) : 0;
+    if (sum <= most) return;
+    scene.warn("surfaces as fine as their pixels show would have more than " + std::to_string(most) +
+               " triangles: the finest are coarser");
+    std::vector<Shape*>& finest = state->finest;
+    for (int level = kMaxSubdivisionLevel; level > 1 && sum > most; --level) {
+        finest.clear();
+        for (Shape* shape : state->own_shapes) {
+            if (is_chosen(*shape) && shape->own->level == level) finest.push_back(shape);
+        }
+        std::sort(finest.begin(), finest.end(), [&](const Shape* a, const Shape* b) {
+            const uint64_t of_a = count_of(*a, level), of_b = count_of(*b, level);
+            return of_a != of_b ? of_a > of_b : index(a->node) < index(b->node);
+        });
+        for (Shape* shape : finest) {
+            if (sum <= most) break;
+            sum -= count_of(*shape, level) - count_of(*shape, level - 1);
+            --shape->own->level;
+        }
+    }
 }
 
 void choose_levels(Scene& scene, FrameState* state) {
@@ -58,9 +91,10 @@ void choose_levels(Scene& scene, FrameState* state) {
             shape.own->is_capped = shape.own->is_capped && scene[shape.mesh].surface;
             const int level = scene[shape.mesh].surface ? level_of(scene, *state, &shape) : 0;
             if (level == 0) shape.own->refined = nullptr;
-            shape.own->level = level;
+            shape.own->level = shape.own->wanted_level = level;
         }
     });
+    if (scene.viewpoint && !state->level_choices.empty()) limit_triangles(scene, state);
     for (const Shape* shape : state->own_shapes) {
         if (!shape->own->is_capped) continue;
         scene.warn("node " + std::to_string(index(shape->node)) + " '" + scene[shape->node].name +

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "engine/deform/bends.h"
 #include "engine/deform/stencils.h"
 #include "engine/scene/scene.h"
@@ -21,6 +25,7 @@ Refined make_refined(const Mesh& mesh, int level);
 struct LevelChoice {
     std::vector<Bend> bends;
     int max_level = 0;  ///< The surface's, or less where that would not fit into memory.
+    std::array<uint64_t, kMaxSubdivisionLevel + 1> triangle_counts{};  ///< [level]
 };
 
 /// Requires   that the mesh has a surface.

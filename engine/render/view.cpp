@@ -58,16 +58,17 @@ View view_from_camera(const Scene& scene, NodeId node, float aspect) {
     const glm::vec3 back = unit_or(world_from_camera.linear[2], glm::vec3(0, 0, 1));
     set_axes(back, unit_or(world_from_camera.linear[1], glm::vec3(0, 1, 0)), &view);
 
-    // The camera's own frame, widened on one side to the picture's shape: nothing of the frame is cut off.
-    view.half_height = camera.is_perspective ? std::tan(0.5f * camera.yfov) : std::abs(camera.ymag);
-    const float frame_aspect = camera.aspect > 0.0f ? camera.aspect : aspect;
-    view.half_width = camera.is_perspective ? view.half_height * frame_aspect : std::abs(camera.xmag);
-    if (view.half_width < view.half_height * aspect) {
-        view.half_width = view.half_height * aspect;
-    } else {
-        view.half_height = view.half_width / aspect;
-    }
+    view.half_height = half_height(camera, aspect);
+    view.half_width = view.half_height * aspect;
     return view;
+}
+
+float half_height(const Camera& camera, float aspect) {
+    // The camera's own frame, widened on one side to the picture's shape: nothing of the frame is cut off.
+    const float own_height = camera.is_perspective ? std::tan(0.5f * camera.yfov) : std::abs(camera.ymag);
+    const float own_aspect = camera.aspect > 0.0f ? camera.aspect : aspect;
+    const float own_width = camera.is_perspective ? own_height * own_aspect : std::abs(camera.xmag);
+    return own_width < own_height * aspect ? own_height : own_width / aspect;
 }
 
 View frame_whole(const Aabb& bounds, float aspect) {

@@ -24,6 +24,9 @@ View look_at(const glm::vec3& eye, const glm::vec3& target, float fov_degrees, f
 /// picture has another aspect. The node's scale does not matter.
 View view_from_camera(const Scene& scene, NodeId node, float aspect);
 
+/// Half the height of that view, as `View` has it, wherever the camera is.
+float half_height(const Camera& camera, float aspect);
+
 /// A view that holds a whole box, from the front, a little above.
 View frame_whole(const Aabb& bounds, float aspect);
 

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <fstream>
 #include <numeric>
+#include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
+
+#include "engine/scene/obj_lines.h"
 
 namespace zoe {
 namespace {
@@ -27,7 +30,7 @@ struct ObjFile {
 };
 
 std::string_view take_word(std::string_view* line) {
-    const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    const auto is_space = [](char c) { return c == ' ' || c == '\t'; };
     size_t begin = 0;
     while (begin < line->size() && is_space((*line)[begin])) ++begin;
     size_t end = begin;
@@ -35,6 +38,41 @@ std::string_view take_word(std::string_view* line) {
     const std::string_view word = line->substr(begin, end - begin);
     line->remove_prefix(end);
     return word;
+}
+
+/// As exporters write numbers: with a plus in front, too.
+std::string_view without_plus(std::string_view word) {
+    const bool has_plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+    return has_plus ? word.substr(1) : word;
+}
+
+/// Whether a decimal number, well formed, is nearer to 0 than 1 is: by the place of its first digit that counts.
+bool is_below_one(std::string_view number) {
+    const size_t exponent_at = std::min(number.find_first_of("eE"), number.size());
+    const std::string_view digits = number.substr(0, exponent_at);
+    const size_t first = digits.find_first_of("123456789"), point = std::min(digits.find('.'), digits.size());
+    if (first == digits.npos) return true;
+    const int64_t place = static_cast<int64_t>(point) - static_cast<int64_t>(first) - (first < point ? 1 : 0);
+    const std::string_view text = number.substr(std::min(exponent_at + 1, number.size()));
+    const bool is_negative = text.starts_with('-');
+    int64_t exponent = 0;
+    const auto [end, error] =
+        std::from_chars(text.data() + (text.starts_with('+') ? 1 : 0), text.data() + text.size(), exponent);
+    if (error == std::errc::result_out_of_range) return is_negative;
+    return exponent < -place;
+}
+
+/// What is too small for a float is 0.
+/// Returns    whether it is a number, and a finite one.
+bool read_number(std::string_view word, float* number) {
+    const std::string_view text = without_plus(word);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
+    if (end != text.data() + text.size()) return false;
+    if (error == std::errc::result_out_of_range && is_below_one(text)) {
+        *number = 0.0f;
+        return true;
+    }
+    return error == std::errc{} && std::isfinite(*number);
 }
 
 /// Reads the file line by line.
@@ -46,10 +84,16 @@ public:
     ObjFile read() {
         std::ifstream stream(name_, std::ios::binary);
         if (!stream) throw SceneError(name_, "", "it cannot be opened");
+        ObjLines lines(stream, options_.max_line_bytes);
         std::string line;
-        while (std::getline(stream, line)) {
-            ++line_number_;
-            read_line(line);
+        try {
+            while (lines.next(&line)) {
+                line_number_ = lines.number();
+                read_line(line);
+            }
+        } catch (const std::length_error& error) {
+            line_number_ = lines.number();
+            fail(error.what());
         }
         if (stream.bad()) throw SceneError(name_, "", "it cannot be read");
         return std::move(file_);
@@ -98,10 +142,7 @@ private:
         size_t count = 0;
         for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
             if (count == kMost) fail(fmt::format("more than {} numbers", kMost));
-            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[count]);
-            if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(numbers[count])) {
-                fail(fmt::format("'{}' is not a number", word.substr(0, 40)));
-            }
+            if (!read_number(word, &numbers[count])) fail(fmt::format("'{}' is not a number", word.substr(0, 40)));
             ++count;
         }
         if (count < least) fail(fmt::format("{} numbers, where {} are needed", count, least));
@@ -137,11 +178,12 @@ private:
         return corner;
     }
 
-    uint32_t read_index(std::string_view text, size_t count) const {
+    uint32_t read_index(std::string_view word, size_t count) const {
+        const std::string_view text = without_plus(word);
         int64_t number = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
         if (error != std::errc{} || end != text.data() + text.size()) {
-            fail(fmt::format("'{}' is not an index", text.substr(0, 40)));
+            fail(fmt::format("'{}' is not an index", word.substr(0, 40)));
         }
         const int64_t size = static_cast<int64_t>(count);
         if (number == 0 || number > size || number < -size) fail(fmt::format("index {} of {}", number, count));
@@ -206,6 +248,14 @@ Scene load_obj(const std::filesystem::path& path, const ObjOptions& options) {
     node.mesh = scene.add(std::move(mesh));
     scene.add(std::move(node));
     if (const std::string broken = check(scene); !broken.empty()) throw SceneError(scene.file, "", broken);
+    if (options.subdivision_level) {
+        const uint64_t count = count_triangles(scene.meshes[0].surface->cage, *options.subdivision_level);
+        if (count > options.max_triangles) {
+            throw SceneError(scene.file, "",
+                             fmt::format("level {} would make {} triangles; {} are allowed", *options.subdivision_level,
+                                         count, options.max_triangles));
+        }
+    }
     return scene;
 }
 

@@ -109,6 +109,10 @@ struct Viewpoint {
     /// A node goes to a coarser level only where that is better than asked for by this share, so that it does not go back
     /// and forth. Then its level may depend on frames before, within what is asked for; at 0 it depends on the frame alone.
     float hysteresis = 0.25f;
+    /// Of all surfaces with `pixels` together: one for each pixel of a large picture. While they would have more, those of
+    /// the finest level become a level coarser one by one, those of most triangles first and of these the first node; with a
+    /// warning. Level 1 is the coarsest.
+    uint64_t max_triangles = uint64_t{1} << 23;
 };
 
 struct FrameState;  // engine/frame: what `advance` keeps between frames.

@@ -48,6 +48,15 @@ TEST(BadScene, FolderIsRefused) {
     expect_bad_scene(folder, ".");
 }
 
+TEST(BadScene, WithoutSurfacesHasNoLevel) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    expect_refused(folder, with({"scene.gltf", "--subdivide", "2"}, kQuick), 2, "no subdivision surface");
+    expect_refused(folder, with({"rigid-2", "--subdivide", "2"}, kQuick), 2, "no subdivision surface");
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_EQ(run_demo(folder.path(), with({"flat.obj", "--subdivide", "2"}, kQuick)).exit_code, 0);
+}
+
 TEST(BadScene, UnknownNameListsTheScenes) {
     const TempFolder folder;
     expect_refused(folder, with({"no_such_scene"}, kQuick), 1, "default");

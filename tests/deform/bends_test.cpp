@@ -78,7 +78,7 @@ TEST(Bends, EstimatesAreNeverTooSmallAndSeldomMuchTooLarge) {
             compare(mesh, scheme, what, &log_sum, &count);
         }
         // A level is a factor of four.
-        EXPECT_LT(std::exp2(log_sum / count), 8.0) << "the mean ratio of " << count;
+        EXPECT_LT(std::exp2(log_sum / count), 4.0) << "the mean ratio of " << count;
         RecordProperty(is_loop ? "loop_mean_ratio" : "catmull_clark_mean_ratio", std::to_string(std::exp2(log_sum / count)));
     }
 }

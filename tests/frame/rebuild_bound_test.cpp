@@ -31,13 +31,20 @@ ReadingTable random_ageing(Rng& rng) {
     ReadingTable readings(frame_count);
     for (size_t built = 0; built < frame_count; ++built) readings[built].resize(frame_count - built);
     for (size_t frame = 0; frame < frame_count; ++frame) {
-        double cost = new_cost * areas[frame];
+        double cost = 1.0 + new_cost * areas[frame];  // Every ray enters the root.
         for (size_t built = frame + 1; built-- > 0;) {
             readings[built][frame - built] = {cost, areas[frame]};
             if (rng.below(3) == 0) cost += random_size(rng, 1e-4, 1.0) * worst_loss;
         }
     }
     return readings;
+}
+
+/// Of the first frames of a clip alone.
+ReadingTable begin_of(const ReadingTable& readings, size_t frame_count) {
+    ReadingTable begin(readings.begin(), readings.begin() + static_cast<std::ptrdiff_t>(frame_count));
+    for (size_t built = 0; built < frame_count; ++built) begin[built].resize(frame_count - built);
+    return begin;
 }
 
 TEST(RebuildBound, WhereTreesOnlyAgeItIsTwiceHindsight) {
@@ -53,6 +60,40 @@ TEST(RebuildBound, WhereTreesOnlyAgeItIsTwiceHindsight) {
     }
     printf("random trees: at most %.3f times the best\n", worst);
     EXPECT_GT(worst, 1.5);
+}
+
+// A clip that ends with the first rebuild: where that does not pay at once it was for nothing. It is a tenth of what always
+// refitting takes, or as much as keeping to twice hindsight asks for: the tree has lost a rebuild's work and all that the
+// rays needed anyway.
+TEST(RebuildBound, ARebuildForNothingIsATenthOfRefittingOrAskedForByHindsight) {
+    int dear_count = 0, cheap_count = 0;
+    for (uint64_t seed = 1; seed <= 2000; ++seed) {
+        Rng rng(seed);
+        const ReadingTable whole = random_ageing(rng);
+        const auto is_as_first = [&](const TreeReading& r) { return r.triangle_area == whole[0][0].triangle_area; };
+        if (!std::ranges::all_of(whole[0], is_as_first)) continue;  // Or new trees cost other than they are expected to.
+        const double rays = random_size(rng, 1.0, 1e6);
+        for (size_t frame_count = 2; frame_count <= whole.size(); ++frame_count) {
+            const ReadingTable readings = begin_of(whole, frame_count);
+            const Account account{readings, kTriangles, rays};
+            const double work = account.by_policy(), refitted = account.always_refitted(), build = account.build_work();
+            if (work == refitted) continue;
+            const size_t last = frame_count - 1;
+            if (account.trace_work(0, last) - account.trace_work(last, last) >= build) {
+                EXPECT_LE(work, refitted * (1 + 1e-9)) << "seed " << seed;
+                break;
+            }
+            double needed = 0.0;
+            for (size_t frame = 1; frame <= last; ++frame) needed += account.trace_work(frame, frame);
+            const bool is_cheap = build <= RebuildConfig{}.share * refitted * (1 + 1e-9);
+            EXPECT_TRUE(is_cheap || refitted >= (build + 2.0 * needed) * (1 - 1e-9)) << "seed " << seed;
+            EXPECT_LE(work, refitted + build) << "seed " << seed;
+            ++(is_cheap ? cheap_count : dear_count);
+            break;
+        }
+    }
+    EXPECT_GT(cheap_count, 20);
+    EXPECT_GT(dear_count, 20);
 }
 
 /// Poses by number: a tree loses nothing in the pose that it was built for, and so much in any other.
@@ -72,7 +113,7 @@ TEST(RebuildBound, ItIsTwiceWhereTheClipEndsWithTheRebuild) {
     pose_of_frame[0] = 0;
     const ReadingTable readings = poses(pose_of_frame, 1.0);
     Account account{readings, kTriangles};
-    account.rays = account.build_work() / kFramesToLose * (1.0 + 1e-9);
+    account.rays = account.build_work() / kFramesToLose * (1.0 + 1e-5);
     EXPECT_GT(account.by_policy(), 1.95 * account.in_hindsight());
 }
 
@@ -97,7 +138,7 @@ TEST(RebuildBound, WhereTwoPosesComeInTurnsItIsFourTimesHindsight) {
     for (int turn = 1; turn <= 8; ++turn) pose_of_frame.insert(pose_of_frame.end(), kFramesToLose, turn % 2);
     const ReadingTable readings = poses(pose_of_frame, 1.0);
     Account account{readings, kTriangles};
-    account.rays = account.build_work() / kFramesToLose * (1.0 + 1e-9);
+    account.rays = account.build_work() / kFramesToLose * (1.0 + 1e-5);
     const double ratio = account.by_policy() / account.in_hindsight();
     EXPECT_LE(ratio, 4.0);
     EXPECT_GT(ratio, 3.0);
@@ -109,13 +150,14 @@ struct Worst {
     int below_both = 0;     ///< Numbers of rays where both of these take more, by 2 % at least.
 };
 
-/// Over numbers of rays from one in a hundred triangles to a thousand a triangle.
+/// Over numbers of rays from one in about a hundred triangles to about a thousand a triangle.
 Worst play(const Sequence& sequence) {
     constexpr double kRefitWork = RebuildConfig{}.triangle_work / 16.0;  // A triangle. Rebuilds take 14 to 22 times a refit.
     const ReadingTable readings = record_readings(sequence);
     const auto triangle_count = static_cast<uint32_t>(sequence.corners.size());
     Worst worst;
-    for (double rays = 0.01 * triangle_count; rays < 1e3 * triangle_count; rays *= 1.5) {
+    const double build_work = RebuildConfig{}.triangle_work * triangle_count;
+    for (double rays = build_work / 1200; rays < 83 * build_work; rays *= 1.5) {
         const Account account{readings, triangle_count, rays, kRefitWork * triangle_count};
         const double work = account.by_policy(), best = account.in_hindsight();
         const double fixed = std::min(account.always_refitted(), account.always_rebuilt());
@@ -137,7 +179,8 @@ TEST(RebuildBound, OfRecordedSequencesItIsTwiceHindsight) {
         EXPECT_LE(worst.of_best, 2.0) << sequence.name;
         better_than_fixed_count += worst.below_both > 0;
         if (!one_way.contains(sequence.name)) continue;
-        EXPECT_LE(worst.of_fixed, 1.25) << sequence.name;
+        // Where all triangles change places just when there is a new tree, no rule that keeps to twice hindsight has 1.1.
+        EXPECT_LE(worst.of_fixed, sequence.name == "permuted" ? 1.25 : 1.1) << sequence.name;
         ++one_way_count;
     }
     EXPECT_EQ(one_way_count, 6);

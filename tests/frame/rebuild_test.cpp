@@ -42,6 +42,29 @@ TEST(Rebuild, OfManyTheMostWornComeFirstAndAFrameDoesNotPayForAll) {
     EXPECT_TRUE(chosen.empty()) << "nothing is lost";
 }
 
+TEST(Rebuild, WaitsWhileItIsDearBesideAllOtherWork) {
+    const auto is_chosen = [](const TreeWatch& tree, double share = 0.1) {
+        const TreeWatch* const watches[] = {&tree};
+        std::vector<uint32_t> chosen;
+        choose_rebuilds({.triangle_work = 10.0, .share = share}, watches, &chosen);
+        return !chosen.empty();
+    };
+    const auto lost_and_needed = [](double lost, double needed) {
+        return TreeWatch{.triangle_count = 100, .lost_work = lost, .needed_work = needed};
+    };
+    EXPECT_FALSE(is_chosen(lost_and_needed(999, 1e9))) << "has not lost a rebuild's work";
+    EXPECT_TRUE(is_chosen(lost_and_needed(1000, 0)));
+    EXPECT_FALSE(is_chosen(lost_and_needed(3999, 3000)));
+    EXPECT_TRUE(is_chosen(lost_and_needed(4000, 3000))) << "has lost that and all that the rays needed";
+    EXPECT_FALSE(is_chosen(lost_and_needed(1999, 8000)));
+    EXPECT_TRUE(is_chosen(lost_and_needed(2000, 8000))) << "a tenth of all work";
+    EXPECT_TRUE(is_chosen(lost_and_needed(1000, 9000)));
+    EXPECT_TRUE(is_chosen(lost_and_needed(1000, 3000), 1.0)) << "no share is too large";
+    TreeWatch tree = lost_and_needed(1500, 3000);
+    tree.frame_loss = 1000;
+    EXPECT_TRUE(is_chosen(tree)) << "pays within the frame";
+}
+
 /// However much others lose, each that is due has its turn.
 TEST(Rebuild, ATreeLargerThanAFramesShareHasItsTurn) {
     const RebuildConfig config{.triangle_work = 10.0, .most_share = 0.01};
@@ -67,6 +90,7 @@ TEST(Rebuild, WhatIsLostIsTheCostAboveThatOfANewTree) {
     note_build({.cost = 20.0, .triangle_area = 4.0}, 100, &tree);
     add_loss(1e6, &tree);
     EXPECT_EQ(tree.lost_work, 0.0) << "as it was built";
+    EXPECT_EQ(tree.needed_work, 20e6);
     note_refit({.cost = 15.0, .triangle_area = 4.0}, &tree);
     add_loss(1e6, &tree);
     EXPECT_EQ(tree.lost_work, 0.0) << "a tree that is better than it was";
@@ -81,7 +105,8 @@ TEST(Rebuild, WhatIsLostIsTheCostAboveThatOfANewTree) {
     EXPECT_EQ(tree.frame_loss, 4e3);
     note_refit({.cost = 15.0, .triangle_area = 1.0}, &tree);
     add_loss(1e3, &tree);
-    EXPECT_EQ(tree.lost_work, 18e3) << "of triangles a quarter as large, a new tree is expected to cost a quarter";
+    EXPECT_EQ(tree.lost_work, 17.25e3) << "of triangles a quarter as large, a new tree is expected to cost its root and a "
+                                          "quarter of the rest";
     note_build({.cost = 30.0, .triangle_area = 1.0}, 100, &tree);
     add_loss(1e3, &tree);
     EXPECT_EQ(tree.lost_work, 0.0);

@@ -81,6 +81,67 @@ TEST(Obj, ErrorsNameTheLine) {
     EXPECT_THROW(load_obj("no such.obj"), SceneError);
 }
 
+TEST(Obj, ReadsNumbersAsExportersWriteThem) {
+    const Scene scene = load(
+        "v +1 -1e-50 +1e-400\nv 1. .5 1E+2\nv 0.00000000000000000000000000000000000000000000000000001 "
+        "-0 123456789012345678901234567890e-29\nf +1 +2 3\n");
+    EXPECT_TRUE(scene.warnings().empty());
+    const std::vector<glm::vec3>& p = scene.meshes[0].positions;
+    ASSERT_EQ(p.size(), 3u);
+    EXPECT_EQ(p[0], glm::vec3(1, 0, 0));
+    EXPECT_EQ(p[1], glm::vec3(1, 0.5f, 100));
+    EXPECT_EQ(p[2], glm::vec3(0, 0, 1.2345679f));
+    const std::string zeros(500, '0');
+    EXPECT_EQ(load("v 0." + zeros + "1 0" + zeros + "2 1e-99999999999999999999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+                  .meshes[0]
+                  .positions[0],
+              glm::vec3(0, 2, 0));
+    for (const std::string number : {"++1", "+-1", "-+1", "+", "-", ".", "e5", "1e+", "0x10", "1,5", "1e-5x", "+inf", "1e39",
+                                     "-1e400", "1e99999999999999999999"}) {
+        expect_error("v 0 0 " + number + "\n", "line 1: '" + number + "' is not a number");
+    }
+    expect_error("v 0 0 1" + zeros + "e-9\n", "is not a number");
+    expect_error(kCorners + "f +-1 2 3\n", "is not an index");
+}
+
+TEST(Obj, LinesEndAndGoOnAsExportersWriteThem) {
+    const std::vector<glm::vec3> expected = load(kCorners + "f 1 2 3 4\n").meshes[0].positions;
+    const auto with_ends = [](std::string text, const std::string& end) {
+        for (size_t at = 0; (at = text.find('\n', at)) != text.npos; at += end.size()) text.replace(at, 1, end);
+        return text;
+    };
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        for (const std::string mark : {"", "\xef\xbb\xbf"}) {
+            const Scene scene = load(mark + with_ends("# C:\\models\\\n" + kCorners + "f 1 2 \\\n3 \\\n 4", end));
+            EXPECT_TRUE(scene.warnings().empty()) << scene.warnings().begin()->first;
+            EXPECT_EQ(scene.meshes[0].positions, expected);
+            EXPECT_EQ(scene.meshes[0].corners.size(), 2u);
+        }
+    }
+    // Wherever the file is cut into blocks, a CR LF is one end.
+    for (size_t padding = 65520; padding < 65540; ++padding) {
+        const std::string text = "#" + std::string(padding, ' ') + "\r\n" + kCorners + "f 1 2 9\r\n";
+        expect_error(text, "line 6: index 9 of 4");
+    }
+    expect_error("v 0 0 \\\n0\nv 1 0 0 \\\n\\\n1 2 3 4 5 6\n", "line 3: more than 7 numbers");
+    expect_error("v 0 0 \\", "line 1: 2 numbers");
+}
+
+TEST(Obj, LinesAndSurfacesHaveAnEnd) {
+    const std::string text = kCorners + "#" + std::string(100, ' ') + "\nf 1 2 3 4\n";
+    EXPECT_EQ(error_of(text, {.max_line_bytes = 101}), "");
+    EXPECT_NE(error_of(text, {.max_line_bytes = 100}).find("line 5: a line of more than 100 bytes"), std::string::npos);
+    EXPECT_NE(error_of(kCorners + "f 1 \\\n2 \\\n3 \\\n4\n", {.max_line_bytes = 9}).find("line 5: a line of more"),
+              std::string::npos);
+    const std::string quad = kCorners + "f 1 2 3 4\n";
+    EXPECT_EQ(error_of(quad, {.subdivision_level = 3, .max_triangles = 128}), "");
+    EXPECT_NE(error_of(quad, {.subdivision_level = 3, .max_triangles = 127}).find("level 3 would make 128 triangles"),
+              std::string::npos);
+    std::string many = quad;
+    for (int k = 1; k < 40; ++k) many += "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf -4 -3 -2 -1\n";
+    EXPECT_NE(error_of(many, {.subdivision_level = 8}).find("level 8 would make 5242880 triangles"), std::string::npos);
+}
+
 TEST(Obj, WhatIsNotReadIsCounted) {
     const Scene scene =
         load("mtllib a.mtl\nusemtl b\nl 1 2\nv 0 0 0 0.5 0.5 0.5\nv 1 0 0 1\nv 1 1 0\ng x\ns off\nf 1 2 3\n");
