@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "engine/scene/image.h"
+#include "engine/scene/srgb.h"
 
 namespace zoe {
 
@@ -28,14 +29,6 @@ glm::vec3 tone_map(const glm::vec3& color) {
     const float mapped = kShoulder + room * (1.0f - std::exp((kShoulder - brightest) / room));
     const float excess = 0.25f * (brightest - mapped);
     return glm::mix(color * (mapped / brightest), glm::vec3(mapped), excess / (1.0f + excess));
-}
-
-/// Linear [0, 1] to 8 bits, sRGB encoded. Negative and NaN give 0.
-uint8_t encode_srgb(float linear) {
-    if (!(linear > 0.0f)) return 0;
-    const float x = std::min(linear, 1.0f);
-    const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
-    return static_cast<uint8_t>(encoded * 255.0f + 0.5f);
 }
 
 void write_film_exr(const Film& film, const std::filesystem::path& file) {
@@ -95,7 +88,7 @@ std::vector<uint8_t> to_rgba8(const Film& film, float exposure) {
     const float scale = film.sample_count > 0 ? exposure / static_cast<float>(film.sample_count) : 0.0f;
     for (size_t i = 0; i < film.sum.size(); ++i) {
         const glm::vec3 color = tone_map(glm::vec3(film.sum[i]) * scale);
-        for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = encode_srgb(color[c]);
+        for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = srgb_byte_from_linear(color[c]);
         rgba[4 * i + 3] = 255;  // The sky is part of the picture: coverage belongs to compositing, which reads the EXR.
     }
     return rgba;

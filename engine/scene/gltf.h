@@ -11,7 +11,9 @@ namespace zoe {
 struct GltfOptions {
     std::optional<int> scene = std::nullopt;  ///< Which of the file's scenes; else the file's default, else the first.
     bool load_images = true;                  ///< False: Scene::images keeps names only.
-    uint64_t max_pixels = uint64_t{1} << 28;  ///< Of all images together, 4 bytes each; those beyond keep their names only.
+    /// Of all images together, 4 bytes each, and a third more for their coarser levels. Where they have more, the largest
+    /// are halved, again and again, with a warning.
+    uint64_t max_pixels = uint64_t{1} << 28;
 };
 
 /// Reads a .gltf or .glb file: nodes, meshes, skins, morph targets, clips, cameras, lights, materials.
