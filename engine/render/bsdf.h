@@ -1,45 +1,99 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "engine/render/direction.h"
+#include "engine/render/surface.h"
 
 namespace zoe {
 
-/// A diffuse surface seen through two normals. Light comes from the half space above the geometric normal, and the cosine
-/// is that of the shading normal. The part of the shading normal's hemisphere that lies under the surface is folded up,
-/// mirrored at the surface's plane, so that no light leaks through and none is lost: the density integrates to 1.
+/// How a surface scatters light towards the viewer: glTF's metallic-roughness model and its layers, through two normals.
+///
+/// Light comes from the half space above the geometric normal; cosines are those of the shading normal. The part of the
+/// shading normal's hemisphere that lies under the surface is folded up, mirrored at the surface's plane, so that no light
+/// leaks through and none is lost: densities integrate to 1.
 ///
 ///        ng  ns
 ///         | /  .            directions around ns ...
 ///     ____|/__'____
 ///          \..'             ... that end up here are mirrored at the line.
+///
+/// From the top: a coat over sheen over the base, which is part metal and part dielectric. The dielectric reflects, and what
+/// it does not is diffuse or, in bodies with a volume, passes. All but coats and sheen keep what several facets reflect.
+/// Source     The glTF 2.0 specification, appendix B, and KHR_materials_specular, _ior, _transmission, _volume, _clearcoat
+/// and
+///            _sheen. Kulla, Conty. Revisiting Physically Based Shading at Imageworks. 2017, for light between facets, and
+///            so that white stays white under a reflecting surface. Deviation: a layer takes from the ones under it by the
+///            larger of the shares that it reflects towards both directions, which is reciprocal and makes no light; what
+///            passes into a volume is spread as GGX facets refract it, without loss between them.
+class Bsdf {
+public:
+    /// to_viewer  unit, above surface.ng.
+    Bsdf(const Surface& surface, const glm::vec3& to_viewer);
 
-/// Density (per steradian) of diffuse light towards or from a unit direction: multiply by the albedo and by what arrives.
-/// Returns    cos / pi and the folded part; 0 under the surface.
-inline float diffuse(const glm::vec3& ns, const glm::vec3& ng, const glm::vec3& direction) {
-    if (!(glm::dot(ng, direction) > 0.0f)) return 0.0f;
-    const float above = std::max(0.0f, glm::dot(ns, direction));
-    const float folded = std::max(0.0f, glm::dot(ns, mirror(direction, ng)));
-    return (above + folded) * glm::one_over_pi<float>();
-}
+    struct Value {
+        glm::vec3 value{0.0f};  ///< Times the cosine. Reflection only.
+        float density = 0.0f;   ///< Of `sample`, per steradian.
+    };
+    /// For light from a unit direction. Zero under the surface.
+    Value evaluate(const glm::vec3& to_light) const;
 
-/// A unit direction with the density `diffuse`.
-/// u          two numbers in [0, 1).
-inline glm::vec3 sample_diffuse(const glm::vec3& ns, const glm::vec3& ng, const glm::vec2& u) {
-    glm::vec3 tangent, bitangent;
-    make_frame(ns, &tangent, &bitangent);
-    const float radius = std::sqrt(u.x);
-    const float angle = glm::two_pi<float>() * u.y;
-    const glm::vec3 direction = glm::normalize(radius * std::cos(angle) * tangent + radius * std::sin(angle) * bitangent +
-                                               std::sqrt(1.0f - u.x) * ns);
-    return glm::dot(ng, direction) < 0.0f ? mirror(direction, ng) : direction;
+    struct Sample {
+        glm::vec3 direction{0.0f};  ///< Unit.
+        glm::vec3 weight{0.0f};     ///< Times what comes from there; its mean is what the surface shows.
+        float density = 0.0f;  ///< 0: through the surface, or between facets of its inside; `evaluate` knows no such light.
+        float spread = 0.0f;   ///< About how wide an angle the direction stands for: radians, at most 1.
+    };
+    /// A direction to look for light in; none where the choice is lost between facets.
+    /// u, pick    uniform in [0, 1).
+    std::optional<Sample> sample(const glm::vec2& u, float pick) const;
+
+    /// Nothing is reflected, whatever arrives.
+    bool is_black() const { return !(total_weight_ > 0.0f); }
+
+private:
+    /// A frame with z along a normal that faces the viewer, and the viewer in it.
+    struct Frame {
+        glm::vec3 x, y, z, viewer;
+        Frame(const glm::vec3& normal, const glm::vec3& to_viewer);
+        glm::vec3 to_local(const glm::vec3& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+        glm::vec3 to_world(const glm::vec3& v) const { return v.x * x + v.y * y + v.z * z; }
+    };
+    enum Lobe { kDiffuse, kFacets, kCoat, kThrough, kLobeCount };
+
+    Value evaluate_unfolded(const glm::vec3& to_light) const;
+    glm::vec3 facets(const glm::vec3& to_light, const glm::vec3& half) const;
+    Sample refract(const glm::vec2& u) const;
+    std::optional<Sample> cross_from_inside(const glm::vec2& u, float pick) const;
+    float under_layers(float reflected, float also_reflected) const;
+
+    const Surface& surface_;
+    Frame frame_, coat_frame_;
+    float alpha_, coat_alpha_;
+    float total_weight_ = 0.0f;
+    float share_[kLobeCount] = {};  // of samples
+    bool has_facets_ = false;       // else the surface is diffuse only
+    glm::vec3 f0_{0.0f};            // of metal and dielectric together
+    float f90_ = 0.0f;
+    glm::vec3 between_{0.0f};                  // what facets send from one to the other, of what a perfect mirror's would
+    float lost_ = 0.0f, mean_lost_ = 1.0f;     // of a perfect mirror's facets towards the viewer; from everywhere
+    float under_ = 1.0f, mean_under_ = 1.0f;   // what goes under a dielectric's surface: from the viewer; from everywhere
+    float sheen_ = 0.0f, coat_ = 0.0f;         // reflected towards the viewer
+    glm::vec3 diffuse_{0.0f}, through_{0.0f};  // colours under the surface
+};
+
+/// The share of light from straight behind that a thin sheet lets pass, by colour: KHR_materials_transmission without a
+/// volume.
+glm::vec3 passes_straight(const Surface& surface, const glm::vec3& to_viewer);
+
+/// The share of all that lies straight behind that reaches the viewer, through holes, half holes and thin sheets.
+/// opacity    surface.opacity, or surface.light_opacity for light.
+inline glm::vec3 passing_share(const Surface& surface, float opacity, const glm::vec3& to_viewer) {
+    return (1.0f - opacity) + opacity * passes_straight(surface, to_viewer);
 }
 
 }  // namespace zoe

@@ -12,18 +12,11 @@
 
 #include "engine/render/layers.h"
 #include "engine/scene/image.h"
+#include "engine/scene/srgb.h"
 
 namespace zoe {
 
 namespace {
-
-/// Linear [0, 1] to 8 bits, sRGB encoded. Negative and NaN give 0.
-uint8_t encode_srgb(float linear) {
-    if (!(linear > 0.0f)) return 0;
-    const float x = std::min(linear, 1.0f);
-    const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
-    return static_cast<uint8_t>(encoded * 255.0f + 0.5f);
-}
 
 // Channels of a layer, taken apart.
 template <typename Vector>
@@ -96,7 +89,7 @@ std::vector<uint8_t> to_rgba8(const Film& film, const Grade& grade) {
     const float scale = film.sample_count > 0 ? grade.exposure / static_cast<float>(film.sample_count) : 0.0f;
     for (size_t i = 0; i < film.sum.size(); ++i) {
         const glm::vec3 color = tone_map(grade.tone, glm::vec3(film.sum[i]) * scale);
-        for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = encode_srgb(color[c]);
+        for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = srgb_byte_from_linear(color[c]);
         rgba[4 * i + 3] = 255;  // The sky is part of the picture: coverage belongs to compositing, which reads the EXR.
     }
     return rgba;

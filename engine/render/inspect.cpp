@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "engine/render/texture.h"
+#include "engine/scene/srgb.h"
 
 namespace zoe {
 

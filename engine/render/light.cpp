@@ -50,14 +50,14 @@ glm::vec3 sun_direction() {
 }
 
 glm::vec3 Lighting::sky(const glm::vec3& direction) const {
-    return uniform_sky ? *uniform_sky : sky_strength * default_sky(direction);
+    if (uniform_sky) return *uniform_sky;
+    return sky_strength * (environment != nullptr ? environment->radiance(direction) : default_sky(direction));
 }
 
-glm::vec3 Lighting::background(const glm::vec3& direction) const {
+glm::vec3 Lighting::sun(const glm::vec3& direction) const {
     const glm::vec3 apart = direction - sun_direction();
     // |a - b|^2 = 2 (1 - cos) for unit vectors: exact for small angles, where the cosine is not.
-    const bool is_sun = glm::dot(apart, apart) <= 2.0f * sun_cap();
-    return sky(direction) + (is_sun ? sun_radiance : glm::vec3(0.0f));
+    return glm::dot(apart, apart) <= 2.0f * sun_cap() ? sun_radiance : glm::vec3(0.0f);
 }
 
 void gather_lights(const Scene& scene, const RenderConfig& config, Lighting* lighting) {
@@ -75,8 +75,10 @@ void gather_lights(const Scene& scene, const RenderConfig& config, Lighting* lig
     }
     lighting->uniform_sky = config.uniform_sky;
     lighting->sky_strength = config.sky_strength;
-    lighting->sun_irradiance = config.uniform_sky ? glm::vec3(0.0f) : config.sun_strength * kSunIrradiance;
-    lighting->sun_radiance = lighting->sun_irradiance / (glm::two_pi<float>() * sun_cap());
+    lighting->environment = config.uniform_sky ? nullptr : config.environment;
+    const bool has_sun = !config.uniform_sky && config.environment == nullptr;
+    lighting->sun_irradiance = has_sun ? config.sun_strength * kSunIrradiance : glm::vec3(0.0f);
+    lighting->sun_radiance = lighting->sun_irradiance * sun_density();
 }
 
 Illumination illuminate(const PunctualLight& light, const glm::vec3& point) {
@@ -96,6 +98,10 @@ Illumination illuminate(const PunctualLight& light, const glm::vec3& point) {
     }
     if (!std::isfinite(share)) return {};
     return {toward, light.intensity * share};
+}
+
+float sun_density() {
+    return 1.0f / (glm::two_pi<float>() * sun_cap());
 }
 
 glm::vec3 sample_sun(const glm::vec2& u) {

@@ -6,6 +6,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/render/environment.h"
 #include "engine/render/path.h"
 
 namespace zoe {
@@ -41,11 +42,12 @@ struct Lighting {
     glm::vec3 sun_radiance{0.0f};  ///< Of the disc, which camera rays see.
     float sky_strength = 1.0f;
     std::optional<glm::vec3> uniform_sky;
+    const Environment* environment = nullptr;
 
     /// The sky without its sun.
     glm::vec3 sky(const glm::vec3& direction) const;
-    /// What a camera ray sees where it leaves the scene: sky, and sun in its disc.
-    glm::vec3 background(const glm::vec3& direction) const;
+    /// The sun's radiance in a direction: zero beside its disc.
+    glm::vec3 sun(const glm::vec3& direction) const;
 };
 
 /// Collects the lights of the shown nodes, at the last `advance`. Lights without a finite place and direction shine nothing.
@@ -57,5 +59,15 @@ Illumination illuminate(const PunctualLight& light, const glm::vec3& point);
 
 /// A unit direction into the sun's disc, uniform over its solid angle.
 glm::vec3 sample_sun(const glm::vec2& u);
+/// The density of `sample_sun` in the disc, per steradian.
+float sun_density();
+
+/// The weight of a sample whose direction has some density, where another way would have found it with another density: the
+/// weights of both ways add up to 1.
+/// Source     Veach, Guibas. Optimally Combining Sampling Techniques for Monte Carlo Rendering. SIGGRAPH 1995 (power of 2).
+inline float weight_of(float density, float other) {
+    const float ratio = other / density;
+    return 1.0f / (1.0f + ratio * ratio);
+}
 
 }  // namespace zoe

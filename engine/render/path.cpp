@@ -17,6 +17,7 @@ constexpr int kTileWidth = 32, kTileHeight = 8;  // 256 paths: enough to fill a 
 struct Workspace {
     Film film;
     Lighting lighting;
+    Glow glow;
     std::vector<TileStats> stats;  // [tile_count]
 };
 
@@ -54,7 +55,7 @@ bool lets_light_pass(const Scene& scene, const Tlas& tlas) {
     const auto does = [&](const MaterialRange& range) {
         if (range.material == kNone<MaterialId>) return true;
         const Material& material = scene.materials[index(range.material)];
-        return !material.is_double_sided || material.alpha_mode != AlphaMode::kOpaque;
+        return !material.is_double_sided || material.alpha_mode != AlphaMode::kOpaque || material.transmission > 0.0f;
     };
     return std::ranges::any_of(tlas.instances, [&](const Instance& instance) {
         const auto& ranges = instance.mesh->materials;
@@ -80,11 +81,13 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     static thread_local Workspace workspace;
     copy_sums(*film, &workspace.film);
     gather_lights(scene, config, &workspace.lighting);
+    workspace.glow.gather(scene, tlas);
     const Pass pass{.scene = scene,
                     .tlas = tlas,
                     .view = view,
                     .config = config,
                     .lighting = workspace.lighting,
+                    .glow = workspace.glow,
                     .lets_light_pass = lets_light_pass(scene, tlas),
                     .first_sample = film->sample_count,
                     .sample_count = sample_count};

@@ -15,11 +15,11 @@ struct SampleKey {
 };
 
 /// What a number is for. Each use of a bounce has a dimension of its own.
-enum class Use : uint32_t { kPixel, kDirection, kSun, kLight, kRoulette, kAlpha };
+enum class Use : uint32_t { kPixel, kDirection, kLobe, kSun, kLight, kGlow, kGlowPlace, kSky, kRoulette, kAlpha };
 
 /// pass       counts the see-through surfaces that the ray of this bounce has passed.
 inline uint64_t dimension(Use use, uint32_t bounce, uint32_t pass = 0) {
-    return static_cast<uint64_t>(pass) << 32 | bounce << 3 | static_cast<uint32_t>(use);
+    return static_cast<uint64_t>(pass) << 32 | bounce << 4 | static_cast<uint32_t>(use);
 }
 
 namespace detail {

@@ -10,6 +10,7 @@
 
 #include "engine/frame/frame.h"
 #include "engine/render/direction.h"
+#include "engine/render/tangent_frame.h"
 #include "engine/render/texture.h"
 
 namespace zoe {
@@ -17,6 +18,7 @@ namespace zoe {
 namespace {
 
 constexpr float kUnitRoundoff = 0x1p-24f;  // relative error of one float operation
+constexpr float kLeastSlant = 0.05f;       // a cone that grazes a surface counts as no longer than this
 
 glm::mat3 abs_of(const glm::mat3& m) {
     return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2])};
@@ -29,6 +31,7 @@ struct Corners {
     glm::vec3 weights;       // barycentric
     glm::vec3 error{0.0f};   // world, see Surface
     glm::vec3 normal{0.0f};  // world, unit, by winding; zero where the area vanishes in rounding
+    float area = 0.0f;       // world, twice the triangle's
 };
 
 template <typename T>
@@ -69,6 +72,7 @@ Corners corners_of(const Instance& instance, const Hit& hit) {
     const glm::vec3 cross = glm::cross(ab, ac);
     const float area = glm::length(cross);
     if (area > 0.0f) corners.normal = cross / area;
+    corners.area = area * size * size;
     const float aspect = std::min(1.0f / std::max(area, 1e-30f), 64.0f);
     corners.error = bound_error(instance, corners, std::max(aspect, 1.0f));
 
@@ -80,45 +84,134 @@ Corners corners_of(const Instance& instance, const Hit& hit) {
 }
 
 /// The material of a triangle. Ranges are in order and without gaps.
-const Material* material_of(const Scene& scene, const Mesh& mesh, uint32_t primitive) {
+MaterialId material_of(const Mesh& mesh, uint32_t primitive) {
     const auto after = std::upper_bound(mesh.materials.begin(), mesh.materials.end(), primitive,
                                         [](uint32_t p, const MaterialRange& range) { return p < range.end; });
-    if (after == mesh.materials.end() || after->material == kNone<MaterialId>) return nullptr;
-    return &scene.materials[index(after->material)];
+    return after == mesh.materials.end() ? kNone<MaterialId> : after->material;
 }
 
-glm::vec2 uv_of(const Mesh& mesh, const TextureRef& texture, const Corners& corners, size_t vertex_count) {
-    const std::vector<glm::vec2>& uvs = mesh.uvs[texture.uv_set & 1];
-    return uvs.size() == vertex_count ? interpolate(uvs, corners) : glm::vec2(0.0f);
-}
-
-/// Tells whether a ray sees the front. A mirror in the node's matrix turned the winding, in `corners` too, which are in the
-/// world. That matrix counts even where the vertices were moved to another space when loaded, or follow a skin.
-/// A triangle whose area vanishes in rounding has only a front.
-bool is_front(const Scene& scene, NodeId node, const Corners& corners, const glm::vec3& direction) {
+/// Tells whether a node's world matrix mirrors, which turns the winding, in `Corners` too, which are in the world. That
+/// matrix counts even where the vertices were moved to another space when loaded, or follow a skin.
+bool has_mirror(const Scene& scene, NodeId node) {
     // In double precision no product of three floats vanishes.
-    const bool is_mirrored = glm::determinant(glm::dmat3(world_from_node(scene, node).linear)) < 0.0;
+    return glm::determinant(glm::dmat3(world_from_node(scene, node).linear)) < 0.0;
+}
+
+/// Tells whether a ray sees the front. A triangle whose area vanishes in rounding has only a front.
+bool is_front(bool is_mirrored, const Corners& corners, const glm::vec3& direction) {
     const float along = glm::dot(corners.normal, direction);
     return is_mirrored ? along >= 0.0f : along <= 0.0f;
 }
 
-void set_normals(const Instance& instance, const Corners& corners, const glm::vec3& toward_viewer, Surface* surface) {
-    surface->ng = corners.normal == glm::vec3(0.0f) ? unit_or(toward_viewer, glm::vec3(0, 0, 1)) : corners.normal;
-    if (glm::dot(surface->ng, toward_viewer) < 0.0f) surface->ng = -surface->ng;
-    surface->ns = surface->ng;
-    if (instance.normals.size() != instance.positions.size()) return;
+/// Twice the area that an edge and another span.
+float area_of(const glm::vec2& a, const glm::vec2& b) {
+    return std::abs(a.x * b.y - b.x * a.y);
+}
+
+/// Looks textures up where a triangle was hit.
+class Lookup {
+public:
+    /// width      of the ray's cone on the surface, metres.
+    Lookup(const Scene& scene, const Instance& instance, const Corners& corners, float width) : scene_(scene) {
+        const Mesh& mesh = *instance.mesh;
+        const glm::uvec3& v = corners.vertex;
+        for (size_t set = 0; set < 2; ++set) {
+            const std::vector<glm::vec2>& uvs = mesh.uvs[set];
+            if (uvs.size() != instance.positions.size()) continue;
+            uv_[set] = interpolate(uvs, corners);
+            if (!(width > 0.0f) || !(corners.area > 0.0f)) continue;
+            width_[set] = width * std::sqrt(area_of(uvs[v.y] - uvs[v.x], uvs[v.z] - uvs[v.x]) / corners.area);
+        }
+    }
+    glm::vec4 color(const TextureRef& ref, bool is_sharp = false) const { return at(ref, Texels::kColors, is_sharp); }
+    glm::vec4 numbers(const TextureRef& ref) const { return at(ref, Texels::kNumbers, false); }
+    bool has(const TextureRef& ref) const { return has_pixels(scene_.images, ref); }
+
+private:
+    glm::vec4 at(const TextureRef& ref, Texels texels, bool is_sharp) const {
+        const size_t set = ref.uv_set & 1;
+        return sample_texture(scene_.images, ref, uv_[set], is_sharp ? 0.0f : width_[set], texels);
+    }
+    const Scene& scene_;
+    glm::vec2 uv_[2] = {glm::vec2(0.0f), glm::vec2(0.0f)};
+    float width_[2] = {0.0f, 0.0f};
+};
+
+/// A normal texture's normal in the world; on the side of the geometric normal `front`, at most as far over as the plane.
+glm::vec3 bend(const Instance& instance, const Corners& corners, const Lookup& lookup, const TextureRef& ref, float scale,
+               const glm::vec3& normal, const glm::vec3& front) {
+    if (!lookup.has(ref)) return normal;
+    const TangentFrame frame = tangent_frame(instance, corners.vertex, corners.weights, ref.uv_set & 1, normal);
+    const glm::vec3 texel = 2.0f * glm::vec3(lookup.numbers(ref)) - 1.0f;
+    const glm::vec3 bent = unit_or(scale * texel.x * frame.x + scale * texel.y * frame.y + texel.z * normal, normal);
+    const float under = glm::dot(bent, front);
+    return under < 0.0f ? unit_or(bent - under * front, normal) : bent;
+}
+
+/// The interpolated normal, on the front of the triangle as it is wound in the world.
+glm::vec3 smooth_normal(const Instance& instance, const Corners& corners, const glm::vec3& front) {
+    if (instance.normals.size() != instance.positions.size()) return front;
     const glm::vec3 local = corners.weights.x * instance.normals[corners.vertex.x] +
                             corners.weights.y * instance.normals[corners.vertex.y] +
                             corners.weights.z * instance.normals[corners.vertex.z];
     // Normals go by the inverse transpose, which keeps them perpendicular under shear and on their side under a mirror.
-    const glm::vec3 world = glm::transpose(instance.local_from_world.linear) * local;
-    surface->ns = unit_or(world, surface->ng);
-    if (glm::dot(surface->ns, surface->ng) < 0.0f) surface->ns = -surface->ns;
+    const glm::vec3 normal = unit_or(glm::transpose(instance.local_from_world.linear) * local, front);
+    return glm::dot(normal, front) < 0.0f ? -normal : normal;
 }
+
+void set_normals(const Instance& instance, const Corners& corners, const Lookup& lookup, const Material& material,
+                 const glm::vec3& toward_viewer, float side, Surface* surface) {
+    // The mesh's front, on which its normals and tangents are meant; `side` of it is the world's winding.
+    const bool has_area = corners.normal != glm::vec3(0.0f);
+    const glm::vec3 front = has_area ? side * corners.normal : unit_or(toward_viewer, glm::vec3(0, 0, 1));
+    const glm::vec3 smooth = smooth_normal(instance, corners, front);
+    surface->ng = front;
+    surface->ns = bend(instance, corners, lookup, material.normal_texture, material.normal_scale, smooth, front);
+    surface->coat_ns = surface->coat > 0.0f ? bend(instance, corners, lookup, material.coat_normal_texture,
+                                                   material.coat_normal_scale, smooth, front)
+                                            : surface->ns;
+    if (glm::dot(front, toward_viewer) >= 0.0f) return;
+    surface->ng = -surface->ng;
+    surface->ns = -surface->ns;
+    surface->coat_ns = -surface->coat_ns;
+}
+
+float unit(float x) {
+    return glm::clamp(x, 0.0f, 1.0f);
+}
+
+/// All that a material says of light, but for its emission, base colour and normals.
+void set_scattering(const Material& material, const Lookup& lookup, Surface* surface) {
+    const glm::vec4 rough_metal = lookup.numbers(material.metallic_roughness_texture);
+    surface->metallic = unit(material.metallic * rough_metal.b);
+    surface->roughness = unit(material.roughness * rough_metal.g);
+    surface->ior = std::max(material.ior, material.ior > 0.0f ? 1.0f : 1e6f);  // 0: infinite
+    const float ratio = (surface->ior - 1.0f) / (surface->ior + 1.0f);
+    surface->f0 = ratio * ratio;
+    surface->specular = unit(material.specular * lookup.numbers(material.specular_texture).a);
+    surface->specular_color = material.specular_color * glm::vec3(lookup.color(material.specular_color_texture));
+    if (material.transmission > 0.0f) {
+        surface->transmission = unit(material.transmission * lookup.numbers(material.transmission_texture).r);
+        surface->has_volume = material.thickness > 0.0f;
+        const glm::vec3 left = glm::clamp(material.attenuation_color, 1e-6f, 1.0f);
+        surface->absorption = -glm::log(left) / material.attenuation_distance;
+    }
+    if (material.coat > 0.0f) {
+        surface->coat = unit(material.coat * lookup.numbers(material.coat_texture).r);
+        surface->coat_roughness = unit(material.coat_roughness * lookup.numbers(material.coat_roughness_texture).g);
+    }
+    if (material.sheen_color != glm::vec3(0.0f)) {
+        const glm::vec3 color(lookup.color(material.sheen_color_texture));
+        surface->sheen_color = glm::clamp(material.sheen_color * color, 0.0f, 1.0f);
+        surface->sheen_roughness = unit(material.sheen_roughness * lookup.numbers(material.sheen_roughness_texture).a);
+    }
+}
+
+const Material kDefaultMaterial;
 
 }  // namespace
 
-Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit) {
+Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone) {
     const Instance& instance = tlas[hit.node];
     const Mesh& mesh = *instance.mesh;
     const Corners corners = corners_of(instance, hit);
@@ -126,30 +219,39 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     const glm::vec3 local = corners.weights.x * corners.a + corners.weights.y * corners.b + corners.weights.z * corners.c;
     surface.position = instance.is_identity ? local : instance.world_from_local.point(local);
     surface.error = corners.error;
-    set_normals(instance, corners, -ray.direction, &surface);
+    surface.material = material_of(mesh, hit.primitive);
+    const Material& material =
+        surface.material == kNone<MaterialId> ? kDefaultMaterial : scene.materials[index(surface.material)];
+
+    float width = 0.0f;
+    if (cone.width > 0.0f || cone.spread > 0.0f) {
+        const float length = glm::length(ray.direction);
+        const float slant = std::abs(glm::dot(corners.normal, ray.direction)) / length;
+        width = (cone.width + cone.spread * hit.t * length) / std::max(slant, kLeastSlant);
+    }
+    const Lookup lookup(scene, instance, corners, width);
 
     const size_t vertex_count = instance.positions.size();
-    glm::vec4 color(1.0f);
-    if (mesh.colors.size() == vertex_count) color = interpolate(mesh.colors, corners);
-    const Material* const material = material_of(scene, mesh, hit.primitive);
-    if (material != nullptr) {
-        const TextureRef& texture = material->base_color_texture;
-        color *= material->base_color * sample_texture(scene.images, texture, uv_of(mesh, texture, corners, vertex_count));
-        surface.is_unlit = material->is_unlit;
-        if (material->alpha_mode == AlphaMode::kMask) surface.opacity = color.a >= material->alpha_cutoff ? 1.0f : 0.0f;
-        if (material->alpha_mode == AlphaMode::kBlend) surface.opacity = glm::clamp(color.a, 0.0f, 1.0f);
-        if (material->emission != glm::vec3(0.0f)) {
-            const TextureRef& glow = material->emission_texture;
-            surface.emission =
-                material->emission * glm::vec3(sample_texture(scene.images, glow, uv_of(mesh, glow, corners, vertex_count)));
-        }
-    }
-    surface.light_opacity = surface.opacity;
-    if (material == nullptr || !material->is_double_sided) {
-        (is_front(scene, hit.node, corners, ray.direction) ? surface.light_opacity : surface.opacity) = 0.0f;
-    }
+    glm::vec4 color =
+        material.base_color * lookup.color(material.base_color_texture, material.alpha_mode == AlphaMode::kMask);
+    if (mesh.colors.size() == vertex_count) color *= interpolate(mesh.colors, corners);
     // More than 1 would make energy out of nothing at every bounce.
     surface.base_color = glm::clamp(glm::vec3(color), 0.0f, 1.0f);
+    surface.is_unlit = material.is_unlit;
+    if (material.alpha_mode == AlphaMode::kMask) surface.opacity = color.a >= material.alpha_cutoff ? 1.0f : 0.0f;
+    if (material.alpha_mode == AlphaMode::kBlend) surface.opacity = unit(color.a);
+    if (material.emission != glm::vec3(0.0f)) {
+        surface.emission = material.emission * glm::vec3(lookup.color(material.emission_texture));
+    }
+    set_scattering(material, lookup, &surface);
+
+    const bool is_mirrored = has_mirror(scene, hit.node);
+    surface.is_inside = !is_front(is_mirrored, corners, ray.direction);
+    surface.light_opacity = surface.opacity;
+    if (!material.is_double_sided && !surface.is_body()) {
+        (surface.is_inside ? surface.opacity : surface.light_opacity) = 0.0f;
+    }
+    set_normals(instance, corners, lookup, material, -ray.direction, is_mirrored ? -1.0f : 1.0f, &surface);
     return surface;
 }
 

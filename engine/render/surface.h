@@ -11,15 +11,40 @@ struct Surface {
     glm::vec3 position{0.0f};
     glm::vec3 error{0.0f};           ///< The true surface, and the one that rays see, are within +-error of `position`.
     glm::vec3 ng{0.0f, 0.0f, 1.0f};  ///< Geometric normal.
-    glm::vec3 ns{0.0f, 0.0f, 1.0f};  ///< Shading normal, above the surface; interpolated where the mesh has normals.
+    glm::vec3 ns{0.0f, 0.0f, 1.0f};  ///< Shading normal, above the surface: interpolated, and bent by the normal texture.
     glm::vec3 base_color{1.0f};      ///< Linear, in [0, 1]: factor times texture times vertex colour.
     glm::vec3 emission{0.0f};        ///< Radiance.
     float opacity = 1.0f;            ///< Share of what lies behind that the ray does not see; 0 or 1 for alpha masks.
     float light_opacity = 1.0f;      ///< Share of the light from behind, which travels against the ray, that is stopped.
-    bool is_unlit = false;           ///< Shows its base colour, whatever the light.
+    MaterialId material = kNone<MaterialId>;
+    bool is_unlit = false;   ///< Shows its base colour, whatever the light.
+    bool is_inside = false;  ///< The ray met the back.
+
+    float metallic = 0.0f, roughness = 1.0f;  ///< In [0, 1].
+    float ior = 1.5f, f0 = 0.04f;             ///< Of the dielectric, and what it reflects straight on for that.
+    float specular = 0.0f;                    ///< Strength of that reflection, in [0, 1] ...
+    glm::vec3 specular_color{1.0f};           ///< ... and its colour.
+    float transmission = 0.0f;                ///< Share of what is not reflected that passes, in [0, 1].
+    bool has_volume = false;                  ///< Else a thin sheet.
+    glm::vec3 absorption{0.0f};               ///< In the volume, per metre.
+    float coat = 0.0f, coat_roughness = 0.0f;
+    glm::vec3 coat_ns{0.0f, 0.0f, 1.0f};  ///< Shading normal of the coat.
+    glm::vec3 sheen_color{0.0f};
+    float sheen_roughness = 0.0f;
+
+    /// Light passes into a volume.
+    bool is_body() const { return has_volume && transmission > 0.0f; }
 };
 
-/// The surface under a hit. Metals are treated as diffuse: the base colour is the albedo.
+/// How wide a ray is: what it stands for among the rays of its pixel.
+/// Source     Akenine-Moeller, Crassin, Boksansky, Belcour, Panteleev, Wright. Improved Shader and Texture Level of Detail
+///            Using Ray Cones. JCGT 2021. Deviation: curvature does not widen it.
+struct RayCone {
+    float width = 0.0f;   ///< Where the ray starts, metres.
+    float spread = 0.0f;  ///< What it gains a metre.
+};
+
+/// The surface under a hit. Of glTF's default material where it has none.
 ///
 /// A single-sided material is there only for what arrives at its front, from where its corners run counter-clockwise (or
 /// clockwise, where the node's world matrix mirrors). A ray that sees the back sees through it, opacity 0. Light against a
@@ -28,8 +53,10 @@ struct Surface {
 ///     ray ------>  back | front  ------> what lies behind is seen
 ///     ray <------ front | back   <------ light from behind arrives
 ///
+/// A material with a volume has two sides whatever it says: its inside has to be seen.
+/// cone       how finely textures are looked up; the holes of alpha masks are always sharp.
 /// Requires   hit, and that the ray is the one that hit, in the last frame that was made of the scene.
-Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit);
+Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone = {});
 
 /// An origin for a ray that leaves a surface in a direction: outside by more than all rounding that separates `position`
 /// from the triangle as the ray will see it, so that the ray cannot hit what it leaves.

@@ -1,7 +1,6 @@
 #include "engine/render/texture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -9,16 +8,6 @@
 namespace zoe {
 
 namespace {
-
-std::array<float, 256> make_srgb_table() {
-    std::array<float, 256> table{};
-    for (int i = 0; i < 256; ++i) {
-        table[static_cast<size_t>(i)] = linear_from_srgb(static_cast<float>(i) / 255.0f);
-    }
-    return table;
-}
-
-const std::array<float, 256> kLinearFromSrgb = make_srgb_table();
 
 /// Brings a coordinate into the image's period (2 for mirrored, else 1), so that texel numbers stay small and exact.
 float reduce(float x, Wrap wrap) {
@@ -49,32 +38,33 @@ int wrap_texel(int i, int size, Wrap wrap) {
     return std::clamp(i, 0, size - 1);
 }
 
-glm::vec4 texel(const Image& image, int x, int y) {
-    const uint8_t* p =
-        &image.pixels[4 * (static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x))];
-    return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], static_cast<float>(p[3]) / 255.0f};
+/// A picture's pixels: of the image itself, or of a coarser level.
+struct Pixels {
+    int width, height;
+    const uint8_t* bytes;
+};
+
+Pixels pixels_of(const Image& image, size_t level) {
+    if (level == 0) return {image.width, image.height, image.pixels.data()};
+    const ImageLevel& coarser = image.coarser[level - 1];
+    return {coarser.width, coarser.height, coarser.pixels.data()};
 }
 
-}  // namespace
-
-float linear_from_srgb(float encoded) {
-    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+glm::vec4 texel(const Pixels& pixels, int x, int y, Texels texels) {
+    const size_t at = static_cast<size_t>(y) * static_cast<size_t>(pixels.width) + static_cast<size_t>(x);
+    const uint8_t* const p = pixels.bytes + 4 * at;
+    constexpr float kScale = 1.0f / 255.0f;
+    if (texels == Texels::kNumbers) return kScale * glm::vec4(p[0], p[1], p[2], p[3]);
+    return {linear_from_srgb_byte(p[0]), linear_from_srgb_byte(p[1]), linear_from_srgb_byte(p[2]),
+            static_cast<float>(p[3]) / 255.0f};
 }
 
-float linear_from_srgb_byte(uint8_t encoded) {
-    return kLinearFromSrgb[encoded];
-}
-
-glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& texture, const glm::vec2& uv) {
-    if (texture.image == kNone<ImageId> || index(texture.image) >= images.size()) return glm::vec4(1.0f);
-    const Image& image = images[index(texture.image)];
-    if (image.pixels.empty()) return glm::vec4(1.0f);
-
-    const glm::vec3 at = texture.image_from_uv * glm::vec3(uv, 1.0f);
-    const float x = reduce(at.x, texture.wrap_s) * static_cast<float>(image.width);
-    const float y = reduce(at.y, texture.wrap_t) * static_cast<float>(image.height);
+/// at         within a period of the image.
+glm::vec4 sample_level(const Pixels& pixels, const TextureRef& texture, const glm::vec2& at, Texels texels) {
+    const float x = at.x * static_cast<float>(pixels.width), y = at.y * static_cast<float>(pixels.height);
     const auto fetch = [&](int i, int j) {
-        return texel(image, wrap_texel(i, image.width, texture.wrap_s), wrap_texel(j, image.height, texture.wrap_t));
+        return texel(pixels, wrap_texel(i, pixels.width, texture.wrap_s), wrap_texel(j, pixels.height, texture.wrap_t),
+                     texels);
     };
     if (texture.is_nearest) return fetch(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
 
@@ -82,6 +72,38 @@ glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& textur
     const float fx = x - 0.5f - left, fy = y - 0.5f - top;
     const int i = static_cast<int>(left), j = static_cast<int>(top);
     return glm::mix(glm::mix(fetch(i, j), fetch(i + 1, j), fx), glm::mix(fetch(i, j + 1), fetch(i + 1, j + 1), fx), fy);
+}
+
+/// The level, with its fraction, whose texels are as wide as what is looked at.
+float level_of(const Image& image, const TextureRef& texture, float uv_width) {
+    if (!(uv_width > 0.0f) || !texture.has_levels || image.coarser.empty()) return 0.0f;
+    const glm::mat3& m = texture.image_from_uv;
+    const float stretch = std::abs(m[0].x * m[1].y - m[1].x * m[0].y);
+    const float texel_count = static_cast<float>(image.width) * static_cast<float>(image.height);
+    const float texels_wide = uv_width * std::sqrt(stretch * texel_count);
+    if (!(texels_wide > 1.0f)) return 0.0f;
+    return std::min(std::log2(texels_wide), static_cast<float>(image.coarser.size()));
+}
+
+}  // namespace
+
+bool has_pixels(std::span<const Image> images, const TextureRef& texture) {
+    return texture.image != kNone<ImageId> && index(texture.image) < images.size() &&
+           !images[index(texture.image)].pixels.empty();
+}
+
+glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& texture, const glm::vec2& uv, float uv_width,
+                         Texels texels) {
+    if (!has_pixels(images, texture)) return glm::vec4(1.0f);
+    const Image& image = images[index(texture.image)];
+    const glm::vec3 moved = texture.image_from_uv * glm::vec3(uv, 1.0f);
+    const glm::vec2 at(reduce(moved.x, texture.wrap_s), reduce(moved.y, texture.wrap_t));
+    const float level = level_of(image, texture, uv_width);
+    const float finer = std::floor(level);
+    const glm::vec4 value = sample_level(pixels_of(image, static_cast<size_t>(finer)), texture, at, texels);
+    if (!(level > finer)) return value;
+    return glm::mix(value, sample_level(pixels_of(image, static_cast<size_t>(finer) + 1), texture, at, texels),
+                    level - finer);
 }
 
 }  // namespace zoe

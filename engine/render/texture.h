@@ -8,18 +8,27 @@
 
 #include "engine/scene/image.h"
 #include "engine/scene/material.h"
+#include "engine/scene/srgb.h"
 
 namespace zoe {
 
-/// An sRGB value as linear light; both in [0, 1].
-float linear_from_srgb(float encoded);
-/// The same of a byte, by a table.
-float linear_from_srgb_byte(uint8_t encoded);
+/// What an image holds.
+enum class Texels : uint8_t {
+    kColors,   ///< sRGB, and alpha as stored.
+    kNumbers,  ///< All as stored.
+};
 
-/// The colour of an sRGB image at a texture coordinate: linear light, alpha as stored. (0, 0) is the image's top left
-/// corner, texel centres are at (i + 0.5) / size. Colours are decoded before they are blended.
-/// uv         before the texture's transform; a coordinate that is not finite counts as 0.
+/// Tells whether a texture has an image with pixels.
+bool has_pixels(std::span<const Image> images, const TextureRef& texture);
+
+/// An image's value at a texture coordinate: linear light, or numbers in [0, 1]. (0, 0) is the image's top left corner,
+/// texel centres are at (i + 0.5) / size. Colours are decoded before they are blended. uv         before the texture's
+/// transform; a coordinate that is not finite counts as 0. uv_width   of what is looked at, before the transform, about:
+/// chooses, and blends, the two levels of the image whose
+///            texels are next to as wide. 0: the finest level.
 /// Returns    white where there is no texture or its image is missing.
-glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& texture, const glm::vec2& uv);
+/// Source     Williams. Pyramidal Parametrics. SIGGRAPH 1983.
+glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& texture, const glm::vec2& uv,
+                         float uv_width = 0.0f, Texels texels = Texels::kColors);
 
 }  // namespace zoe

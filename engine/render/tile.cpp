@@ -7,8 +7,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "engine/render/bsdf.h"
-#include "engine/render/direction.h"
 #include "engine/render/inspect.h"
 
 namespace zoe {
@@ -17,7 +15,6 @@ namespace {
 
 constexpr uint32_t kMaxPassThrough = 1024;  // see-through surfaces in a row; what lies behind so many is taken as dark
 constexpr uint32_t kShadowHash = 0x80000000u;
-constexpr uint32_t kRouletteFromBounce = 2;
 
 using Clock = std::chrono::steady_clock;
 
@@ -28,6 +25,12 @@ double ms_since(Clock::time_point start) {
 /// Tells apart the rays of a frame: `which` counts bounces, and see-through surfaces within them.
 uint64_t hash_key(const SampleKey& key, uint64_t which) {
     return mix_bits(mix_bits(static_cast<uint64_t>(key.pixel) << 32 | key.sample) + which);
+}
+
+/// A pixel's width, as far as a ray has come.
+RayCone camera_cone(const View& view, int height) {
+    const float pixel = 2.0f * view.half_height / static_cast<float>(height);
+    return view.is_perspective ? RayCone{0.0f, pixel} : RayCone{pixel, 0.0f};
 }
 
 uint64_t ray_number(uint32_t bounce, uint32_t pass_through) {
@@ -49,11 +52,13 @@ void TileTracer::Rays::push(const Ray& ray, uint32_t path) {
 void TileTracer::Shadows::clear() {
     Rays::clear();
     radiance.clear();
+    toward.clear();
 }
 
-void TileTracer::Shadows::push(const Ray& ray, uint32_t path, const glm::vec3& brings) {
+void TileTracer::Shadows::push(const Ray& ray, uint32_t path, const glm::vec3& brings, Toward what) {
     Rays::push(ray, path);
     radiance.push_back(brings);
+    toward.push_back(what);
 }
 
 bool TileTracer::trace(const Pass& pass, const Tile& tile, Film* film, TileStats* stats) {
@@ -86,6 +91,7 @@ Ray TileTracer::pixel_ray(size_t pixel, const glm::vec2& within) const {
 void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
     paths_.clear();
     current_.clear();
+    const RayCone cone = camera_cone(pass_->view, film_->height);
     for (int y = tile.y_begin; y < tile.y_end; ++y) {
         for (int x = tile.x_begin; x < tile.x_end; ++x) {
             const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(film_->width) + static_cast<uint32_t>(x);
@@ -93,7 +99,7 @@ void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
             glm::vec2 within(0.5f);
             if (pass_->config.is_jittered && sample > 0) within = uniform_2d(key, dimension(Use::kPixel, 0));
             current_.push(pixel_ray(pixel, within), static_cast<uint32_t>(paths_.size()));
-            paths_.push_back({.key = key, .pixel = pixel});
+            paths_.push_back({.key = key, .pixel = pixel, .cone = cone});
         }
     }
 }
@@ -159,125 +165,6 @@ void TileTracer::find_closest(const Rays& batch, uint32_t which, uint32_t pass_t
     }
 }
 
-void TileTracer::shade_hits(uint32_t bounce, uint32_t pass_through) {
-    for (size_t i = 0; i < current_.rays.size(); ++i) {
-        const Ray& ray = current_.rays[i];
-        const uint32_t path_index = current_.paths[i];
-        Path& path = paths_[path_index];
-        if (!hits_[i]) {
-            if (pass_through == 0 || bounce == 0) add_sky(ray, path_index, bounce);
-            continue;
-        }
-        const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
-        if (pass_through == 0 && bounce > 0) add_sky_behind(surface, ray, path_index);
-        if (surface.opacity < 1.0f) {
-            const float u = uniform_1d(path.key, dimension(Use::kAlpha, bounce, pass_through));
-            if (u >= surface.opacity) {
-                passing_.push({.origin = leave(surface, ray.direction), .direction = ray.direction}, path_index);
-                continue;
-            }
-        }
-        shade_hit(surface, ray, hits_[i], path_index, bounce);
-    }
-}
-
-void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hit, uint32_t path_index, uint32_t bounce) {
-    Path& path = paths_[path_index];
-    if (bounce == 0) {
-        path.coverage = 1.0f;
-        if (pass_->config.shade != Shade::kPath) {
-            path.radiance = inspect(pass_->config.shade, surface, pass_->tlas[hit.node].motion, -ray.direction);
-            return;
-        }
-    }
-    path.radiance += path.throughput * surface.emission;
-    if (surface.is_unlit) {
-        path.radiance += path.throughput * surface.base_color;
-        return;
-    }
-    path.throughput *= surface.base_color;
-    if (largest(path.throughput) <= 0.0f) return;
-    add_sun(surface, path_index, bounce);
-    add_punctual_light(surface, path_index, bounce);
-    if (bounce < static_cast<uint32_t>(pass_->config.max_bounces)) bounce_on(surface, path_index, bounce);
-}
-
-/// What a ray sees that leaves the scene. Diffuse bounces don't see the sun's disc: shadow rays bring its light.
-void TileTracer::add_sky(const Ray& ray, uint32_t path_index, uint32_t bounce) {
-    if (pass_->config.shade != Shade::kPath) return;
-    const Lighting& lighting = pass_->lighting;
-    Path& path = paths_[path_index];
-    path.radiance += path.throughput * (bounce == 0 ? lighting.background(ray.direction) : lighting.sky(ray.direction));
-}
-
-/// Sky light from the direction of a bounce may pass what the bounce itself ends at, and stop where the bounce goes on. It
-/// is told apart at the first surface that both meet: from there on a shadow ray brings it, and the bounce surfaces only.
-void TileTracer::add_sky_behind(const Surface& surface, const Ray& ray, uint32_t path_index) {
-    const glm::vec3 radiance = (1.0f - surface.light_opacity) * pass_->lighting.sky(ray.direction);
-    if (radiance == glm::vec3(0.0f)) return;
-    shadows_.push({.origin = leave(surface, ray.direction), .direction = ray.direction}, path_index,
-                  paths_[path_index].throughput * radiance);
-}
-
-void TileTracer::add_sun(const Surface& surface, uint32_t path_index, uint32_t bounce) {
-    const glm::vec3& irradiance = pass_->lighting.sun_irradiance;
-    if (irradiance == glm::vec3(0.0f)) return;
-    const glm::vec3 toward = sample_sun(uniform_2d(paths_[path_index].key, dimension(Use::kSun, bounce)));
-    const float share = diffuse(surface.ns, surface.ng, toward);
-    add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index, irradiance * share);
-}
-
-/// Picks one light with a probability proportional to what it would bring unshadowed: a single light brings its exact
-/// value, and many cost one ray.
-void TileTracer::add_punctual_light(const Surface& surface, uint32_t path_index, uint32_t bounce) {
-    const auto& lights = pass_->lighting.lights;
-    const auto brings = [&](const PunctualLight& light, glm::vec3* toward) {
-        const Illumination at = illuminate(light, surface.position);
-        *toward = at.toward;
-        return at.irradiance * diffuse(surface.ns, surface.ng, at.toward);
-    };
-    glm::vec3 toward;
-    float total = 0.0f;
-    for (const PunctualLight& light : lights) total += largest(brings(light, &toward));
-    if (!(total > 0.0f) || !std::isfinite(total)) return;
-
-    float left = total * uniform_1d(paths_[path_index].key, dimension(Use::kLight, bounce));
-    const PunctualLight* chosen = nullptr;
-    for (const PunctualLight& light : lights) {
-        const float weight = largest(brings(light, &toward));
-        if (!(weight > 0.0f)) continue;
-        chosen = &light;  // The last that brings anything stands in for what rounding leaves over.
-        left -= weight;
-        if (left < 0.0f) break;
-    }
-    const glm::vec3 radiance = brings(*chosen, &toward);
-    Ray ray{.origin = leave(surface, toward), .direction = toward};
-    if (chosen->kind != LightKind::kDirectional) {
-        ray.direction = chosen->position - ray.origin;
-        ray.t_max = 1.0f - 0x1p-20f;  // What holds the light at its very place does not shade it.
-    }
-    add_shadow(surface, ray, path_index, radiance * (total / largest(radiance)));
-}
-
-void TileTracer::add_shadow(const Surface& surface, const Ray& ray, uint32_t path_index, const glm::vec3& radiance) {
-    // Beyond the offset the light may turn out to be on the other side: then the surface itself is in the way.
-    if (!(largest(radiance) > 0.0f) || !(glm::dot(surface.ng, ray.direction) > 0.0f)) return;
-    shadows_.push(ray, path_index, paths_[path_index].throughput * radiance);
-}
-
-void TileTracer::bounce_on(const Surface& surface, uint32_t path_index, uint32_t bounce) {
-    Path& path = paths_[path_index];
-    if (bounce >= kRouletteFromBounce) {
-        // Dim paths end early; those that go on carry the light of those that did not.
-        const float survival = std::min(1.0f, largest(path.throughput));
-        if (uniform_1d(path.key, dimension(Use::kRoulette, bounce)) >= survival) return;
-        path.throughput /= survival;
-    }
-    const glm::vec2 u = uniform_2d(path.key, dimension(Use::kDirection, bounce));
-    const glm::vec3 direction = sample_diffuse(surface.ns, surface.ng, u);
-    next_.push({.origin = leave(surface, direction), .direction = direction}, path_index);
-}
-
 void TileTracer::trace_shadows(uint32_t bounce) {
     if (pass_->lets_light_pass) return look_through_shadows(bounce);
     is_hit_.resize(shadows_.rays.size());
@@ -304,11 +191,17 @@ void TileTracer::look_through_shadows(uint32_t bounce) {
                 continue;
             }
             const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
-            if (surface.light_opacity >= 1.0f) continue;
-            const Ray onward{.origin = leave(surface, ray.direction),
-                             .direction = ray.direction,
-                             .t_max = std::max(0.0f, ray.t_max - hits_[i].t)};
-            onward_.push(onward, shadows_.paths[i], radiance * (1.0f - surface.light_opacity));
+            const Toward toward = shadows_.toward[i];
+            const float opacity = toward == Toward::kLight ? surface.light_opacity : surface.opacity;
+            const glm::vec3 passes = passing_share(surface, opacity, -ray.direction);
+            if (passes == glm::vec3(0.0f)) continue;
+            // What has an end keeps it: the new origin is beside the old ray.
+            Ray onward{.origin = leave(surface, ray.direction), .direction = ray.direction};
+            if (std::isfinite(ray.t_max)) {
+                onward.direction = ray.origin + ray.t_max * ray.direction - onward.origin;
+                onward.t_max = glm::dot(onward.direction, ray.direction) > 0.0f ? 1.0f : 0.0f;
+            }
+            onward_.push(onward, shadows_.paths[i], radiance * passes, toward);
         }
         std::swap(shadows_, onward_);
     }

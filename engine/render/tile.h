@@ -6,6 +6,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "engine/render/bsdf.h"
+#include "engine/render/glow.h"
 #include "engine/render/light.h"
 #include "engine/render/path.h"
 #include "engine/render/sampler.h"
@@ -20,6 +22,7 @@ struct Pass {
     const View& view;
     const RenderConfig& config;
     const Lighting& lighting;
+    const Glow& glow;
     bool lets_light_pass = false;  ///< Some material on show does: shadow rays must look at what they meet.
     int first_sample = 0, sample_count = 0;
 };
@@ -50,6 +53,12 @@ private:
         glm::vec3 throughput{1.0f};
         glm::vec3 radiance{0.0f};
         float coverage = 0.0f;
+        /// Of the direction that the path goes in, where lights were looked for by another way, too; 0: this is the only
+        /// one.
+        float density = 0.0f;
+        glm::vec3 from{0.0f};       // where it was scattered last
+        bool is_scattered = false;  // since the camera, by anything but the surfaces of bodies that light passes through
+        RayCone cone;               // at the origin of its ray
     };
     /// Rays on their way to a closest hit, and the path that each belongs to.
     struct Rays {
@@ -58,11 +67,15 @@ private:
         void clear();
         void push(const Ray& ray, uint32_t path);
     };
+    /// What a shadow ray looks for: light, which arrives at the backs of single-sided surfaces and passes; or, as bounces
+    /// do, a surface, which their fronts hide.
+    enum class Toward : uint8_t { kLight, kSurface };
     /// Rays towards lights, and what they bring where nothing is in the way.
     struct Shadows : Rays {
         std::vector<glm::vec3> radiance;
+        std::vector<Toward> toward;
         void clear();
-        void push(const Ray& ray, uint32_t path, const glm::vec3& radiance);
+        void push(const Ray& ray, uint32_t path, const glm::vec3& radiance, Toward toward);
     };
 
     Ray pixel_ray(size_t pixel, const glm::vec2& within) const;
@@ -73,12 +86,20 @@ private:
     void find_closest(const Rays& batch, uint32_t bounce, uint32_t pass_through, FrameStats::Kind* kind);
     void shade_hits(uint32_t bounce, uint32_t pass_through);
     void shade_hit(const Surface& surface, const Ray& ray, const Hit& hit, uint32_t path, uint32_t bounce);
-    void add_sky(const Ray& ray, uint32_t path, uint32_t bounce);
+    void add_sky(const Ray& ray, uint32_t path);
     void add_sky_behind(const Surface& surface, const Ray& ray, uint32_t path);
-    void add_sun(const Surface& surface, uint32_t path, uint32_t bounce);
-    void add_punctual_light(const Surface& surface, uint32_t path, uint32_t bounce);
-    void add_shadow(const Surface& surface, const Ray& ray, uint32_t path, const glm::vec3& radiance);
-    void bounce_on(const Surface& surface, uint32_t path, uint32_t bounce);
+    glm::vec3 sky_seen(const Path& path, const glm::vec3& direction) const;
+    bool pass_straight(const Surface& surface, const Ray& ray, uint32_t path, uint32_t bounce, uint32_t pass_through);
+    bool is_last(uint32_t bounce) const { return bounce >= static_cast<uint32_t>(pass_->config.max_bounces); }
+    void add_sun(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    void add_environment(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    void add_punctual_light(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    void add_glow(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    float density_seen(const Surface& lamp, const glm::vec3& from, const glm::vec3& toward) const;
+    float glow_weight(const Surface& surface, const Ray& ray, const Path& path) const;
+    void add_shadow(const Surface& surface, const Ray& ray, uint32_t path, const glm::vec3& radiance,
+                    Toward toward = Toward::kLight);
+    void bounce_on(const Surface& surface, const Bsdf& bsdf, float distance, uint32_t path, uint32_t bounce);
     void trace_shadows(uint32_t bounce);
     void look_through_shadows(uint32_t bounce);
 

@@ -37,6 +37,7 @@ std::string check_mesh(const Mesh& mesh, const Scene& scene) {
     const auto fits = [&](size_t size) { return size == 0 || size == count; };
     if (count > 0xfffffff0u || mesh.corners.size() > 0x7ffffff0u) return "it has more than 2^32 vertices or 2^31 triangles";
     if (!fits(mesh.normals.size())) return "its normals are not as many as its vertices";
+    if (!fits(mesh.tangents.size())) return "its tangents are not as many as its vertices";
     if (!fits(mesh.uvs[0].size()) || !fits(mesh.uvs[1].size())) return "its uvs are not as many as its vertices";
     if (!fits(mesh.colors.size())) return "its colours are not as many as its vertices";
     for (const glm::uvec3& c : mesh.corners) {
@@ -151,7 +152,7 @@ std::string check_clip(const Clip& clip, const Scene& scene) {
 }
 
 std::string check_material(const Material& material, const Scene& scene) {
-    for (const TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
+    for (const TextureRef* ref : textures_of(material)) {
         if (!is_valid(ref->image, scene.images.size())) return fmt::format("there is no image {}", index(ref->image));
         if (ref->uv_set > 1) return "a texture's uv_set is above 1";
     }
@@ -159,12 +160,13 @@ std::string check_material(const Material& material, const Scene& scene) {
 }
 
 std::string check_image(const Image& image, const Scene&) {
-    const bool is_missing = image.pixels.empty();
-    if (!is_missing &&
-        (image.width <= 0 || image.height <= 0 ||
-         image.pixels.size() != size_t{4} * static_cast<size_t>(image.width) * static_cast<size_t>(image.height))) {
-        return "its pixels are not 4 * width * height";
-    }
+    const auto is_whole = [](const auto& level) {
+        return level.width > 0 && level.height > 0 &&
+               level.pixels.size() == size_t{4} * static_cast<size_t>(level.width) * static_cast<size_t>(level.height);
+    };
+    if (!image.pixels.empty() && !is_whole(image)) return "its pixels are not 4 * width * height";
+    if (!std::all_of(image.coarser.begin(), image.coarser.end(), is_whole))
+        return "a level's pixels are not 4 * width * height";
     return {};
 }
 

@@ -8,8 +8,23 @@
 #include "engine/scene/gltf_skin.h"
 #include "engine/scene/gltf_surface.h"
 #include "engine/scene/gltf_view.h"
+#include "engine/scene/tangents.h"
 
 namespace zoe {
+namespace {
+
+/// Tangents for triangles with a normal texture, where the file has none.
+void add_tangents(Mesh& mesh, const Scene& scene) {
+    for (const MaterialRange& range : mesh.materials) {
+        if (range.material == kNone<MaterialId>) continue;
+        const Material& material = scene.materials[index(range.material)];
+        for (const TextureRef* ref : {&material.normal_texture, &material.coat_normal_texture}) {
+            if (ref->image != kNone<ImageId>) derive_tangents(&mesh, range, ref->uv_set);
+        }
+    }
+}
+
+}  // namespace
 
 Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     Scene scene;
@@ -21,6 +36,7 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
         scene.meshes.push_back(read_mesh(file, i, scene));
         normalize_weights(scene.meshes.back(), scene);
         read_surface(file, i, scene.meshes.back(), scene);
+        add_tangents(scene.meshes.back(), scene);
     }
     scene.skins = read_skins(file, scene);
     scene.cameras = read_cameras(file, scene);

@@ -11,7 +11,9 @@ namespace zoe {
 struct GltfOptions {
     std::optional<int> scene = std::nullopt;  ///< Which of the file's scenes; else the file's default, else the first.
     bool load_images = true;                  ///< False: Scene::images keeps names only.
-    uint64_t max_pixels = uint64_t{1} << 28;  ///< Of all images together, 4 bytes each; those beyond keep their names only.
+    /// Of all images together, 4 bytes each, and a third more for their coarser levels. Where they have more, the largest
+    /// are halved, again and again, with a warning.
+    uint64_t max_pixels = uint64_t{1} << 28;
     /// Numbers that a file's accessors may yield beyond 16 for each of its bytes: zeros that no bytes back, and what many
     /// primitives share. A file with more is refused: a small one must not fill the memory.
     uint64_t max_free_numbers = uint64_t{1} << 22;

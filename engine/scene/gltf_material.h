@@ -9,8 +9,9 @@ namespace zoe {
 /// Throws     SceneError.
 std::vector<Material> read_materials(const GltfFile& file, Scene& scene);
 
-/// Reads the images that the scene's materials show; the others keep their names only. One that is missing or broken is a
-/// warning, and so is one for which no pixels are left. What several images name is decoded once, and copied.
+/// Reads the images that the scene's materials show, with their coarser levels; the others keep their names only. One that
+/// is missing or broken is a warning, and so is one that was halved to fit. What several images name is decoded once, and
+/// copied. An image that is shown both as a colour and as numbers is averaged as a colour.
 std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options, Scene& scene);
 
 }  // namespace zoe

@@ -213,6 +213,13 @@ void append_vertices(GltfFile& file, const tinygltf::Primitive& primitive, GltfR
     }
     append(mesh.normals, std::move(normals), first, count, glm::vec3(0.0f), "normal", scene);
 
+    std::vector<glm::vec4> tangents;
+    if (const int accessor = find("TANGENT"); accessor >= 0) {
+        require_type(file, accessor, {TINYGLTF_TYPE_VEC4}, in_attributes + "/TANGENT");
+        tangents = to_vectors<glm::vec4>(read_floats(file, accessor, range));
+    }
+    append(mesh.tangents, std::move(tangents), first, count, glm::vec4(0.0f), "tangent", scene);
+
     for (int set = 0; set < 2; ++set) {
         const char* name = set == 0 ? "TEXCOORD_0" : "TEXCOORD_1";
         std::vector<glm::vec2> uvs;

@@ -208,8 +208,10 @@ void check_schema(json& root, const std::string& file, Scene& scene) {
 
 bool is_supported_extension(const std::string& name) {
     static const char* const kSupported[] = {
-        "KHR_lights_punctual", "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
-        "KHR_materials_unlit", "KHR_materials_emissive_strength", "KHR_texture_transform",
+        "KHR_lights_punctual",  "KHR_mesh_quantization",           "EXT_mesh_gpu_instancing",
+        "KHR_materials_unlit",  "KHR_materials_emissive_strength", "KHR_texture_transform",
+        "KHR_materials_ior",    "KHR_materials_specular",          "KHR_materials_transmission",
+        "KHR_materials_volume", "KHR_materials_clearcoat",         "KHR_materials_sheen",
         "FB_ngon_encoding"};
     return std::find(std::begin(kSupported), std::end(kSupported), name) != std::end(kSupported);
 }

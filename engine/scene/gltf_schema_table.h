@@ -185,13 +185,33 @@ inline constexpr SchemaMember kTextureInfo[] = {required(index("index", "texture
 inline constexpr SchemaMember kPbr[] = {numbers("baseColorFactor", 4, 4), object("baseColorTexture", kTextureInfo),
                                         number("metallicFactor"), number("roughnessFactor"),
                                         object("metallicRoughnessTexture", kTextureInfo)};
+inline constexpr SchemaMember kNormalTextureInfo[] = {required(index("index", "textures")), integer("texCoord", 0, kIntMax),
+                                                      number("scale"), extensions(kTextureExtensions)};
 inline constexpr SchemaMember kEmissiveStrength[] = {number("emissiveStrength")};
+inline constexpr SchemaMember kIor[] = {number("ior", 0)};
+inline constexpr SchemaMember kSpecular[] = {number("specularFactor"), object("specularTexture", kTextureInfo),
+                                             numbers("specularColorFactor", 3, 3),
+                                             object("specularColorTexture", kTextureInfo)};
+inline constexpr SchemaMember kTransmission[] = {number("transmissionFactor"), object("transmissionTexture", kTextureInfo)};
+inline constexpr SchemaMember kVolume[] = {number("thicknessFactor"), object("thicknessTexture", kTextureInfo),
+                                           number("attenuationDistance"), numbers("attenuationColor", 3, 3)};
+inline constexpr SchemaMember kClearcoat[] = {
+    number("clearcoatFactor"), object("clearcoatTexture", kTextureInfo), number("clearcoatRoughnessFactor"),
+    object("clearcoatRoughnessTexture", kTextureInfo), object("clearcoatNormalTexture", kNormalTextureInfo)};
+inline constexpr SchemaMember kSheen[] = {numbers("sheenColorFactor", 3, 3), object("sheenColorTexture", kTextureInfo),
+                                          number("sheenRoughnessFactor"), object("sheenRoughnessTexture", kTextureInfo)};
 inline constexpr SchemaMember kMaterialExtensions[] = {object("KHR_materials_unlit", {}),
-                                                       object("KHR_materials_emissive_strength", kEmissiveStrength)};
+                                                       object("KHR_materials_emissive_strength", kEmissiveStrength),
+                                                       object("KHR_materials_ior", kIor),
+                                                       object("KHR_materials_specular", kSpecular),
+                                                       object("KHR_materials_transmission", kTransmission),
+                                                       object("KHR_materials_volume", kVolume),
+                                                       object("KHR_materials_clearcoat", kClearcoat),
+                                                       object("KHR_materials_sheen", kSheen)};
 inline constexpr SchemaMember kMaterial[] = {
     string("name"),
     object("pbrMetallicRoughness", kPbr),
-    object("normalTexture", kTextureInfo),
+    object("normalTexture", kNormalTextureInfo),
     object("occlusionTexture", kTextureInfo),
     object("emissiveTexture", kTextureInfo),
     numbers("emissiveFactor", 3, 3),

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "engine/scene/error.h"
+#include "engine/scene/image_levels.h"
 #include "engine/scene/jpeg_strip.h"
 #include "engine/scene/png_check.h"
 
@@ -24,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxSide = 16384;
+constexpr uint64_t kMaxPictureValues = uint64_t{1} << 28;  // numbers of a picture of floats: 1 GiB
 
 /// OpenImageIO's name of the format, told by the first bytes. (Asked by a file name, it looks for the file.) Those that
 /// glTF's pictures have: its readers of others take as much memory as a few bytes of the file ask for, before anyone is
@@ -54,6 +56,33 @@ std::vector<uint8_t> to_rgba(const std::vector<uint8_t>& from, size_t pixel_coun
         if (channel_count == 2 || channel_count >= 4) rgba[4 * i + 3] = p[is_grey ? 1 : 3];
     }
     return rgba;
+}
+
+/// Reads pixels into the image: as they are, or bands of rows at a time, of which each becomes one row.
+/// Returns    false where they cannot be read.
+bool read_rows(OIIO::ImageInput& in, const OIIO::ImageSpec& spec, int halvings, Image* image) {
+    const int channel_count = std::min(spec.nchannels, 4);
+    const int band = halvings > 0 ? 1 << halvings : spec.height;
+    const size_t row_pixels = static_cast<size_t>(spec.width);
+    std::vector<uint8_t> rows;
+    for (int y = 0; y < spec.height; y += band) {
+        const int end = std::min(spec.height, y + band);
+        const size_t pixel_count = row_pixels * static_cast<size_t>(end - y);
+        rows.resize(pixel_count * static_cast<size_t>(channel_count));
+        const bool is_read = halvings > 0
+                                 ? in.read_scanlines(0, 0, y, end, 0, 0, channel_count, OIIO::TypeDesc::UINT8, rows.data())
+                                 : in.read_image(0, 0, 0, channel_count, OIIO::TypeDesc::UINT8, rows.data());
+        if (!is_read) return false;
+        ImageLevel level{spec.width, end - y, {}};
+        level.pixels = channel_count == 4 ? std::move(rows) : to_rgba(rows, pixel_count, static_cast<size_t>(channel_count));
+        for (int i = 0; i < halvings; ++i) level = halved(level.width, level.height, level.pixels, image->is_color);
+        if (halvings == 0) {
+            image->pixels = std::move(level.pixels);
+        } else {
+            image->pixels.insert(image->pixels.end(), level.pixels.begin(), level.pixels.end());
+        }
+    }
+    return true;
 }
 
 /// The picture's name while it is being written; removed unless it was renamed.
@@ -118,8 +147,9 @@ bool decode_image(std::span<const std::byte> encoded, Image* image, std::string*
         *error = one_line(reason);
         return false;
     };
-    image->width = image->height = 0;
+    image->width = image->height = image->halvings = 0;
     image->pixels.clear();
+    image->coarser.clear();
     const char* format = format_of(encoded);
     if (format == nullptr) return fail("not a picture of a known format");
     if (std::string_view(format) == "png" && !is_whole_png(encoded)) return fail("a truncated or damaged PNG");
@@ -146,30 +176,29 @@ bool decode_image(std::span<const std::byte> encoded, Image* image, std::string*
             return fail(fmt::format("{} x {} pixels; {} a side are allowed", spec.width, spec.height, kMaxSide));
         }
         if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1) return fail("not an image of 1 to 16 channels");
-        const size_t channel_count = static_cast<size_t>(std::min(spec.nchannels, 4));
-        const size_t pixel_count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
-        if (pixel_count > max_pixels) {
-            return fail(too_many_pixels(spec.width, spec.height, max_pixels));
+        int halvings = 0;
+        const auto side = [&](int size) { return static_cast<uint64_t>(((size - 1) >> halvings) + 1); };
+        while (side(spec.width) * side(spec.height) > max_pixels) {
+            if (++halvings > kMaxHalvings) {
+                return fail(
+                    fmt::format("{} x {} pixels, where {} are left for images", spec.width, spec.height, max_pixels));
+            }
         }
-        std::vector<uint8_t> pixels(pixel_count * channel_count);
-        const bool is_read = in->read_image(0, 0, 0, static_cast<int>(channel_count), OIIO::TypeDesc::UINT8, pixels.data());
+        const bool is_read = read_rows(*in, spec, halvings, image);
         // A truncated JPEG reads "well", with an error set.
         if (!is_read || in->has_error()) {
             const std::string reason = in->geterror();
+            image->pixels.clear();
             return fail(reason.empty() ? "it cannot be decoded" : reason);
         }
-        image->pixels = channel_count == 4 ? std::move(pixels) : to_rgba(pixels, pixel_count, channel_count);
-        image->width = spec.width;
-        image->height = spec.height;
+        image->width = static_cast<int>(side(spec.width));
+        image->height = static_cast<int>(side(spec.height));
+        image->halvings = halvings;
         return true;
     } catch (const std::exception& exception) {
         image->pixels.clear();
         return fail(exception.what());
     }
-}
-
-std::string too_many_pixels(int width, int height, uint64_t max_pixels) {
-    return fmt::format("{} x {} pixels, more than the {} that are left for images", width, height, max_pixels);
 }
 
 void write_exr(const fs::path& file, int width, int height, std::span<const Channel> channels, const PictureNotes& notes) {
@@ -219,8 +248,10 @@ FloatImage read_picture(const fs::path& file) {
     const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string(), &config);
     if (!in) fail(OIIO::geterror());
     const OIIO::ImageSpec spec = in->spec();
-    if (spec.width <= 0 || spec.height <= 0 || spec.width > 4 * kMaxSide || spec.height > 4 * kMaxSide ||
-        spec.nchannels < 1 || spec.nchannels > 1024) {
+    const bool has_sides = spec.width > 0 && spec.height > 0 && spec.width <= 4 * kMaxSide && spec.height <= 4 * kMaxSide;
+    if (!has_sides || spec.nchannels < 1 || spec.nchannels > 1024 ||
+        static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height) >
+            kMaxPictureValues / static_cast<uint64_t>(spec.nchannels)) {
         fail(fmt::format("{} x {} pixels of {} channels", spec.width, spec.height, spec.nchannels));
     }
     FloatImage image;

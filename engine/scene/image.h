@@ -10,20 +10,34 @@
 
 namespace zoe {
 
-/// 8-bit RGBA pixels as stored in the file (sRGB or linear is the user's business), top row first. No pixels: missing.
-struct Image {
-    std::string name;
+/// A coarser form of an image: 8-bit RGBA, as it.
+struct ImageLevel {
     int width = 0, height = 0;
     std::vector<uint8_t> pixels;  ///< [height * width * 4]
+
+    bool operator==(const ImageLevel&) const = default;
 };
 
-/// Decodes a scene's picture: PNG, JPEG or WebP.
-/// max_pixels how many the image may have at most: told by its header, before pixels are read.
+/// 8-bit RGBA pixels as stored in the file, top row first. No pixels: missing.
+struct Image {
+    std::string name;
+    bool is_color = true;  ///< Red, green and blue are sRGB, where they are averaged; else plain numbers.
+    int halvings = 0;      ///< How often both sides were halved when it was loaded, to fit.
+    int width = 0, height = 0;
+    std::vector<uint8_t> pixels;      ///< [height * width * 4]
+    std::vector<ImageLevel> coarser;  ///< Each half as large as the one before (image_levels.h), or none.
+
+    bool operator==(const Image&) const = default;
+};
+
+/// How often both sides of an image are halved at most when it is decoded.
+inline constexpr int kMaxHalvings = 3;
+
+/// Decodes a scene's picture: PNG, JPEG or WebP. Its name and `is_color` stay.
+/// max_pixels how many the image may have at most: one that has more, as its header tells before pixels are read, is halved
+///            row by row while it is decoded; it is refused where kMaxHalvings do not do.
 /// Returns    false, with the reason in `error`, for broken files and for more than 16384 pixels a side.
 bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels = UINT64_MAX);
-
-/// The reason why an image of this size is left out.
-std::string too_many_pixels(int width, int height, uint64_t max_pixels);
 
 /// One layer channel of a picture to write: name ("R", "depth.Z", "node.id") and [height * width] values.
 struct Channel {

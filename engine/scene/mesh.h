@@ -41,6 +41,7 @@ struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;  ///< [vertex_count]
     std::vector<glm::vec3> normals;    ///< [vertex_count] or empty; a zero normal asks for the geometric one.
+    std::vector<glm::vec4> tangents;   ///< [vertex_count] or empty; see tangents.h. A zero one asks for its triangle's.
     std::vector<glm::vec2> uvs[2];     ///< TEXCOORD_0, TEXCOORD_1: [vertex_count] or empty.
     std::vector<glm::vec4> colors;     ///< COLOR_0, linear: [vertex_count] or empty.
     std::vector<glm::uvec3> corners;   ///< [triangle_count] indices into positions.

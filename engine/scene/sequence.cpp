@@ -148,26 +148,10 @@ void append_node(const Scene& scene, const Node& node, const std::vector<Affine>
     }
 }
 
-bool is_same(const TextureRef& a, const TextureRef& b) {
-    return a.image == b.image && a.uv_set == b.uv_set && a.wrap_s == b.wrap_s && a.wrap_t == b.wrap_t &&
-           a.is_nearest == b.is_nearest && a.image_from_uv == b.image_from_uv;
-}
-
-bool is_same(const Material& a, const Material& b) {
-    return a.name == b.name && a.base_color == b.base_color && is_same(a.base_color_texture, b.base_color_texture) &&
-           a.emission == b.emission && is_same(a.emission_texture, b.emission_texture) && a.metallic == b.metallic &&
-           a.roughness == b.roughness && a.alpha_mode == b.alpha_mode && a.alpha_cutoff == b.alpha_cutoff &&
-           a.is_double_sided == b.is_double_sided && a.is_unlit == b.is_unlit;
-}
-
-bool is_same(const Image& a, const Image& b) {
-    return a.name == b.name && a.width == b.width && a.height == b.height && a.pixels == b.pixels;
-}
-
 /// The position of an equal thing in `list`, which it joins if it is the first of its kind.
 template <typename Id, typename T>
 Id find_or_add(std::vector<T>& list, T thing) {
-    const auto found = std::find_if(list.begin(), list.end(), [&](const T& other) { return is_same(thing, other); });
+    const auto found = std::find(list.begin(), list.end(), thing);
     const Id id{static_cast<uint32_t>(found - list.begin())};
     if (found == list.end()) list.push_back(std::move(thing));
     return id;
@@ -179,7 +163,7 @@ std::vector<MaterialId> merge_materials(Scene& scene, Scene& frame) {
     for (Image& image : frame.images) images.push_back(find_or_add<ImageId>(scene.images, std::move(image)));
     std::vector<MaterialId> materials;
     for (Material& material : frame.materials) {
-        for (TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
+        for (TextureRef* ref : textures_of(material)) {
             if (ref->image != kNone<ImageId>) ref->image = images[index(ref->image)];
         }
         materials.push_back(find_or_add<MaterialId>(scene.materials, std::move(material)));

@@ -70,6 +70,7 @@ void keep_welded(const Welding& welding, Mesh* mesh) {
     keep(welding.first, &mesh->binding.joints, mesh->binding.influence_count);
     keep(welding.first, &mesh->binding.weights, mesh->binding.influence_count);
     mesh->normals.clear();
+    mesh->tangents.clear();
     for (std::vector<glm::vec2>& uvs : mesh->uvs) uvs.clear();
     mesh->colors.clear();
 }

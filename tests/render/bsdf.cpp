@@ -3,26 +3,79 @@
 #include <gtest/gtest.h>
 
 #include "engine/math/rng.h"
+#include "engine/render/direction.h"
+#include "engine/render/sampler.h"
 
 namespace zoe::test {
 namespace {
 
+constexpr double kSphere = 4.0 * glm::pi<double>();
+
 glm::vec3 random_direction(Rng& rng) {
     const float z = rng.uniform(-1.0f, 1.0f), angle = rng.uniform(0.0f, glm::two_pi<float>());
     const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
-    return {r * std::cos(angle), r * std::sin(angle), z};
+    return glm::normalize(glm::vec3(r * std::cos(angle), r * std::sin(angle), z));
 }
 
-/// A shading normal above the surface, leaning at most as far as the plane.
-glm::vec3 random_shading_normal(Rng& rng, const glm::vec3& ng) {
-    const glm::vec3 ns = random_direction(rng);
-    return glm::dot(ns, ng) < 0.0f ? -ns : ns;
+glm::vec3 random_direction_above(Rng& rng, const glm::vec3& normal) {
+    const glm::vec3 direction = random_direction(rng);
+    return glm::dot(direction, normal) < 0.0f ? -direction : direction;
+}
+
+/// With a cosine to z.
+glm::vec3 at_cosine(float cosine) {
+    return glm::normalize(glm::vec3(std::sqrt(1.0f - cosine * cosine), 0.0f, cosine));
+}
+
+Surface diffuse(const glm::vec3& ng, const glm::vec3& ns) {
+    Surface surface;
+    surface.ng = ng;
+    surface.ns = surface.coat_ns = ns;
+    return surface;
+}
+
+/// White, flat, with z up.
+Surface white(float metallic, float roughness) {
+    Surface surface;
+    surface.metallic = metallic;
+    surface.roughness = roughness;
+    surface.specular = 1.0f;
+    return surface;
+}
+
+/// Any mixture of layers.
+Surface random_surface(Rng& rng, float least_roughness) {
+    Surface surface = white(rng.uniform(), rng.uniform(least_roughness, 1.0f));
+    surface.base_color = {rng.uniform(), rng.uniform(), rng.uniform()};
+    surface.specular = rng.uniform();
+    surface.specular_color = {rng.uniform(), rng.uniform(), rng.uniform()};
+    if (rng.below(2) == 0) {
+        surface.coat = rng.uniform();
+        surface.coat_roughness = rng.uniform(least_roughness, 1.0f);
+    }
+    if (rng.below(2) == 0) {
+        surface.sheen_color = {rng.uniform(), rng.uniform(), rng.uniform()};
+        surface.sheen_roughness = rng.uniform(0.3f, 1.0f);
+    }
+    return surface;
+}
+
+/// What a surface shows under a sky of 1.
+glm::dvec3 shown(const Surface& surface, const glm::vec3& to_viewer, uint32_t sample_count) {
+    const Bsdf bsdf(surface, to_viewer);
+    glm::dvec3 sum(0.0);
+    for (uint32_t i = 0; i < sample_count; ++i) {
+        const SampleKey key{7, i};
+        const auto sample = bsdf.sample(uniform_2d(key, 0), uniform_1d(key, 1));
+        if (sample) sum += glm::dvec3(sample->weight);
+    }
+    return sum / static_cast<double>(sample_count);
 }
 
 TEST(Bsdf, FramesAreOrthonormalAndRightHanded) {
     Rng rng(2);
     for (int i = 0; i < 1000; ++i) {
-        const glm::vec3 n = i < 2 ? glm::vec3(0, 0, i == 0 ? 1 : -1) : glm::normalize(random_direction(rng));
+        const glm::vec3 n = i < 2 ? glm::vec3(0, 0, i == 0 ? 1 : -1) : random_direction(rng);
         glm::vec3 t, b;
         make_frame(n, &t, &b);
         EXPECT_NEAR(glm::length(t), 1.0f, 1e-5f);
@@ -32,40 +85,160 @@ TEST(Bsdf, FramesAreOrthonormalAndRightHanded) {
     }
 }
 
-TEST(Bsdf, WithoutAShadingNormalTheDensityIsTheCosineOverPi) {
+TEST(Bsdf, ADiffuseSurfaceScattersByTheCosineOverPi) {
     const glm::vec3 n(0, 1, 0);
-    EXPECT_FLOAT_EQ(diffuse(n, n, n), glm::one_over_pi<float>());
-    EXPECT_NEAR(diffuse(n, n, glm::normalize(glm::vec3(1, 1, 0))), glm::one_over_pi<float>() * std::sqrt(0.5f), 1e-6f);
-    EXPECT_EQ(diffuse(n, n, -n), 0.0f);
+    const Surface surface = diffuse(n, n);
+    const Bsdf bsdf(surface, glm::normalize(glm::vec3(1, 2, 3)));
+    EXPECT_FLOAT_EQ(bsdf.evaluate(n).value.r, glm::one_over_pi<float>());
+    EXPECT_NEAR(bsdf.evaluate(glm::normalize(glm::vec3(1, 1, 0))).value.r, glm::one_over_pi<float>() * std::sqrt(0.5f),
+                1e-6f);
+    EXPECT_EQ(bsdf.evaluate(-n).value.r, 0.0f);
+    EXPECT_EQ(bsdf.evaluate(-n).density, 0.0f);
 }
 
-TEST(Bsdf, TheDensityIntegratesToOneHoweverTheShadingNormalLeans) {
-    Rng rng(3);
-    for (int round = 0; round < 8; ++round) {
-        const glm::vec3 ng = glm::normalize(random_direction(rng)), ns = glm::normalize(random_shading_normal(rng, ng));
-        double sum = 0.0;
-        constexpr int kCount = 200000;
-        for (int i = 0; i < kCount; ++i) sum += diffuse(ns, ng, random_direction(rng));
-        EXPECT_NEAR(sum / kCount * 4.0 * glm::pi<double>(), 1.0, 0.02) << "cosine of the lean " << glm::dot(ns, ng);
+TEST(Bsdf, DensitiesIntegrateToTheShareOfSamplesHoweverTheShadingNormalLeans) {
+    const uint64_t seed = 3;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    constexpr int kCount = 100000;
+    for (int round = 0; round < 16; ++round) {
+        const bool is_diffuse = round < 4;
+        const glm::vec3 ng = random_direction(rng), ns = random_direction_above(rng, ng);
+        Surface surface = is_diffuse ? diffuse(ng, ns) : random_surface(rng, 0.4f);
+        surface.ng = ng;
+        surface.ns = surface.coat_ns = ns;
+        const Bsdf bsdf(surface, random_direction_above(rng, ng));
+        double integral = 0.0, found = 0.0;
+        glm::dvec3 expected(0.0), sampled(0.0);
+        for (int i = 0; i < kCount; ++i) {
+            const glm::vec3 any = random_direction(rng);
+            const Bsdf::Value value = bsdf.evaluate(any);
+            if (glm::dot(any, ng) <= 0.0f) {
+                EXPECT_EQ(value.density, 0.0f);
+            }
+            integral += static_cast<double>(value.density) * kSphere / kCount;
+            expected += glm::dvec3(any) * static_cast<double>(value.density) * kSphere / static_cast<double>(kCount);
+            const auto sample = bsdf.sample({rng.uniform(), rng.uniform()}, rng.uniform());
+            if (!sample) continue;
+            EXPECT_GE(glm::dot(sample->direction, ng), 0.0f);
+            EXPECT_NEAR(glm::length(sample->direction), 1.0f, 1e-5f);
+            found += 1.0 / kCount;
+            sampled += glm::dvec3(sample->direction) / static_cast<double>(kCount);
+            const Bsdf::Value there = bsdf.evaluate(sample->direction);
+            EXPECT_EQ(sample->density, there.density);
+            EXPECT_EQ(sample->weight, there.value / there.density);
+        }
+        if (is_diffuse) {
+            EXPECT_NEAR(found, 1.0, 1e-6);
+        }
+        EXPECT_NEAR(integral, found, 0.03) << "round " << round << ", roughness " << surface.roughness;
+        EXPECT_LT(glm::distance(sampled, expected), 0.04) << "round " << round;
     }
 }
 
-TEST(Bsdf, SampledDirectionsStayAboveTheSurfaceAndFollowTheDensity) {
-    Rng rng(4);
-    for (int round = 0; round < 8; ++round) {
-        const glm::vec3 ng = glm::normalize(random_direction(rng)), ns = glm::normalize(random_shading_normal(rng, ng));
-        constexpr int kCount = 100000;
-        glm::dvec3 sampled(0.0), expected(0.0);
-        for (int i = 0; i < kCount; ++i) {
-            const glm::vec3 direction = sample_diffuse(ns, ng, {rng.uniform(), rng.uniform()});
-            EXPECT_GE(glm::dot(direction, ng), 0.0f);
-            EXPECT_NEAR(glm::length(direction), 1.0f, 1e-5f);
-            sampled += glm::dvec3(direction) / static_cast<double>(kCount);
-            const glm::vec3 other = random_direction(rng);
-            expected += glm::dvec3(other) * static_cast<double>(diffuse(ns, ng, other)) * 4.0 * glm::pi<double>() /
-                        static_cast<double>(kCount);
+TEST(Bsdf, WhiteStaysWhiteAtEveryRoughnessAndMetalness) {
+    // Light between facets is little and comes in at grazing angles: many samples for that.
+    for (int r = 0; r <= 14; ++r) {
+        for (int m = 0; m <= 2; ++m) {
+            const float roughness = static_cast<float>(r) / 14.0f, metallic = static_cast<float>(m) / 2.0f;
+            for (float cosine : {0.03f, 0.1f, 0.4f, 1.0f}) {
+                const double brightness = shown(white(metallic, roughness), at_cosine(cosine), 65536).g;
+                EXPECT_NEAR(brightness, 1.0, 0.01)
+                    << "roughness " << roughness << ", metallic " << metallic << ", cosine " << cosine;
+            }
         }
-        EXPECT_LT(glm::distance(sampled, expected), 0.03);
+    }
+}
+
+TEST(Bsdf, WhiteStaysWhiteWhenTheShadingNormalLeansAndInBodies) {
+    const uint64_t seed = 5;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    for (int round = 0; round < 40; ++round) {
+        Surface surface = white(rng.uniform(), rng.uniform());
+        surface.ng = random_direction(rng);
+        surface.ns = random_direction_above(rng, surface.ng);
+        if (round % 2 == 0) {
+            surface.transmission = rng.uniform();
+            surface.has_volume = true;
+            surface.is_inside = round % 4 == 0;
+        }
+        const glm::dvec3 brightness = shown(surface, random_direction_above(rng, surface.ng), 65536);
+        EXPECT_NEAR(brightness.r, 1.0, 0.01) << "round " << round << ", roughness " << surface.roughness;
+    }
+}
+
+TEST(Bsdf, NoSurfaceReflectsMoreThanArrives) {
+    const uint64_t seed = 6;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    for (int round = 0; round < 60; ++round) {
+        Surface surface = random_surface(rng, 0.0f);
+        surface.base_color = glm::vec3(1.0f);
+        const float cosine = rng.uniform(0.02f, 1.0f);
+        const double brightness = shown(surface, at_cosine(cosine), 16384).g;
+        EXPECT_LT(brightness, 1.015) << "round " << round << ", cosine " << cosine << ", sheen " << surface.sheen_color.g
+                                     << " / " << surface.sheen_roughness << ", coat " << surface.coat;
+        EXPECT_GT(brightness, 0.3);
+    }
+}
+
+TEST(Bsdf, LightGoesBothWaysAlike) {
+    const uint64_t seed = 7;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    for (int round = 0; round < 2000; ++round) {
+        const Surface surface = random_surface(rng, 0.1f);
+        const glm::vec3 a = at_cosine(rng.uniform(0.05f, 1.0f)), b = random_direction_above(rng, surface.ng);
+        if (b.z < 0.05f) continue;
+        const glm::vec3 there = Bsdf(surface, a).evaluate(b).value / b.z, back = Bsdf(surface, b).evaluate(a).value / a.z;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(there[c], back[c], 2e-3f * (1e-3f + there[c])) << "round " << round;
+    }
+}
+
+TEST(Bsdf, SmoothBodiesBendLightBySnellsLaw) {
+    Surface glass = white(0.0f, 0.0f);
+    glass.transmission = 1.0f;
+    glass.has_volume = true;
+    const glm::vec3 viewer = at_cosine(0.6f);  // sine 0.8
+    // The narrowest distribution still has wide tails: a few samples stray.
+    constexpr uint32_t kCount = 1024;
+    const auto count = [&](float x, bool is_above) {
+        uint32_t near = 0;
+        for (uint32_t i = 0; i < kCount; ++i) {
+            const SampleKey key{1, i};
+            const auto sample = Bsdf(glass, viewer).sample(uniform_2d(key, 0), uniform_1d(key, 1));
+            if (!sample || (sample->direction.z > 0.0f) != is_above) continue;
+            near += std::abs(sample->direction.x - x) < 0.01f ? 1 : 0;
+            if (!is_above) {
+                EXPECT_EQ(sample->density, 0.0f);
+            }
+        }
+        return near;
+    };
+    EXPECT_GT(count(-0.8f / 1.5f, false), 0.9 * kCount);
+    // From inside, beyond the critical angle, all of it goes back.
+    glass.is_inside = true;
+    EXPECT_GT(count(-0.8f, true), 0.97 * kCount);
+    // Below that angle it leaves by the same law.
+    const glm::vec3 steep = at_cosine(std::sqrt(1.0f - 0.25f));  // sine 0.5
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < kCount; ++i) {
+        const SampleKey key{2, i};
+        const auto sample = Bsdf(glass, steep).sample(uniform_2d(key, 0), uniform_1d(key, 1));
+        left += sample && std::abs(sample->direction.x + 0.75f) < 0.01f && sample->direction.z < 0.0f ? 1 : 0;
+    }
+    EXPECT_GT(left, 0.85 * kCount);
+}
+
+TEST(Bsdf, AThinSheetReflectsWhatItDoesNotLetPass) {
+    for (float roughness : {0.0f, 0.3f, 0.9f}) {
+        for (float cosine : {0.1f, 0.5f, 1.0f}) {
+            Surface sheet = white(0.0f, roughness);
+            sheet.transmission = 1.0f;
+            const double reflected = shown(sheet, at_cosine(cosine), 4096).r;
+            EXPECT_NEAR(reflected + static_cast<double>(passes_straight(sheet, at_cosine(cosine)).r), 1.0, 0.01);
+        }
     }
 }
 

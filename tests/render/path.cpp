@@ -24,7 +24,7 @@ Scene busy_scene() {
     Scene scene;
     add_node(scene, make_floor(3.0f, -1.0f, add_diffuse(scene, {0.7f, 0.6f, 0.5f})));
     add_node(scene, make_sphere(2, add_diffuse(scene, {0.2f, 0.8f, 0.4f}), true));
-    Material glass;
+    Material glass = make_diffuse();
     glass.base_color = {0.5f, 0.5f, 1.0f, 0.4f};
     glass.alpha_mode = AlphaMode::kBlend;
     add_node(scene, make_box(scene.add(glass)), {{1.2f, 0, 0.8f}, {1, 0, 0, 0}, glm::vec3(0.6f)});
@@ -104,7 +104,7 @@ TEST(Path, StatsCountEveryRayByItsKind) {
 
 TEST(Path, EmissionIsSeenDirectlyAndLightsItsSurroundings) {
     Scene scene;
-    Material lamp;
+    Material lamp = make_diffuse();
     lamp.base_color = {0, 0, 0, 1};
     lamp.emission = {3, 2, 1};
     lamp.is_double_sided = true;
@@ -126,7 +126,7 @@ TEST(Path, EmissionIsSeenDirectlyAndLightsItsSurroundings) {
 
 TEST(Path, UnlitShowsItsBaseColourWhateverTheLight) {
     Scene scene;
-    Material material;
+    Material material = make_diffuse();
     material.base_color = {0.2f, 0.4f, 0.8f, 1};
     material.is_unlit = true;
     add_node(scene, make_floor(1.0f, 0.0f, scene.add(material)));
@@ -140,7 +140,7 @@ TEST(Path, UnlitShowsItsBaseColourWhateverTheLight) {
 /// A floor that glows green under a white sheet with 2 x 2 texels: the top left one lets pass.
 Scene sheet_scene(AlphaMode mode, int alpha_of_hole) {
     Scene scene;
-    Material glow;
+    Material glow = make_diffuse();
     glow.base_color = {0, 0, 0, 1};
     glow.emission = {0, 1, 0};
     add_node(scene, make_floor(2.0f, -1.0f, scene.add(glow)));
@@ -149,7 +149,7 @@ Scene sheet_scene(AlphaMode mode, int alpha_of_hole) {
     image.pixels.assign(16, 255);
     image.pixels[3] = static_cast<uint8_t>(alpha_of_hole);
     scene.images.push_back(image);
-    Material sheet;
+    Material sheet = make_diffuse();
     sheet.base_color_texture.image = ImageId{0};
     sheet.base_color_texture.is_nearest = true;
     sheet.alpha_mode = mode;
@@ -186,7 +186,7 @@ TEST(Path, BlendingShowsEachLayerByItsShare) {
 TEST(Path, ShadowsOfBlendedSurfacesLetTheRestPass) {
     Scene scene;
     add_node(scene, make_floor(5.0f, 0.0f, add_diffuse(scene, glm::vec3(0.5f))));
-    Material pane;
+    Material pane = make_diffuse();
     pane.alpha_mode = AlphaMode::kBlend;
     const Trs down{{0, 5, 0}, glm::angleAxis(glm::radians(-90.0f), glm::vec3(1, 0, 0)), glm::vec3(1)};
     add_light(scene, {.kind = LightKind::kDirectional, .intensity = 2.0f}, down);

@@ -76,8 +76,15 @@ inline Mesh turned_inside_out(Mesh mesh) {
     return mesh;
 }
 
-inline MaterialId add_diffuse(Scene& scene, const glm::vec3& albedo, bool is_double_sided = false) {
+/// Scatters diffusely and reflects nothing else.
+inline Material make_diffuse() {
     Material material;
+    material.metallic = material.specular = 0.0f;
+    return material;
+}
+
+inline MaterialId add_diffuse(Scene& scene, const glm::vec3& albedo, bool is_double_sided = false) {
+    Material material = make_diffuse();
     material.base_color = glm::vec4(albedo, 1.0f);
     material.is_double_sided = is_double_sided;
     return scene.add(material);

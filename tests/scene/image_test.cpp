@@ -53,11 +53,32 @@ TEST(Picture, ImagesAboveTheLimitAreNotDecoded) {
     const std::vector<std::byte> bytes = bytes_of(folder / "a.png");
     Image image;
     std::string error;
-    EXPECT_FALSE(decode_image(bytes, &image, &error, 34));
-    EXPECT_EQ(error, "7 x 5 pixels, more than the 34 that are left for images");
+    EXPECT_FALSE(decode_image(bytes, &image, &error, 0));
+    EXPECT_EQ(error, "7 x 5 pixels, where 0 are left for images");
     EXPECT_EQ(image.pixels.capacity(), 0u);
     EXPECT_EQ(image.width, 0);
     EXPECT_TRUE(decode_image(bytes, &image, &error, 35));
+}
+
+TEST(Picture, ImagesAboveTheLimitAreHalvedWhileTheyAreDecoded) {
+    const TempFolder folder;
+    const std::vector<uint8_t> pixels = random_pixels(37 * 21 * 4, 6);
+    write_png(folder / "a.png", 37, 21, pixels);
+    Image whole, half;
+    std::string error;
+    for (bool is_color : {true, false}) {
+        whole.is_color = half.is_color = is_color;
+        ASSERT_TRUE(decode_image(bytes_of(folder / "a.png"), &whole, &error)) << error;
+        ASSERT_TRUE(decode_image(bytes_of(folder / "a.png"), &half, &error, 37 * 21 - 1)) << error;
+        EXPECT_EQ(half.halvings, 1);
+        EXPECT_EQ(half.width, 19);
+        EXPECT_EQ(half.height, 11);
+        ASSERT_EQ(half.pixels.size(), 19u * 11u * 4u);
+        double mean = 0.0, half_mean = 0.0;
+        for (size_t i = 3; i < whole.pixels.size(); i += 4) mean += whole.pixels[i] * 4.0 / double(whole.pixels.size());
+        for (size_t i = 3; i < half.pixels.size(); i += 4) half_mean += half.pixels[i] * 4.0 / double(half.pixels.size());
+        EXPECT_NEAR(half_mean, mean, 5.0) << "the last row stands for one row, not two";
+    }
 }
 
 /// Gives a PNG another size in its header, and that the checksum that it should have.

@@ -190,16 +190,40 @@ TEST(GltfLimits, ImagesShareTheirPixelsAndTheirLimit) {
     EXPECT_EQ(whole.images[2].width, 8);
     EXPECT_EQ(whole.warnings().size(), 2u) << "the missing ones";
 
-    for (const uint64_t max_pixels : {uint64_t{3 * 64 - 1}, uint64_t{2 * 64}}) {
-        const Scene scene = load_gltf(folder / "scene.gltf", {.max_pixels = max_pixels});
-        EXPECT_EQ(scene.images[1].pixels, grey);
-        EXPECT_EQ(scene.images[2].pixels.capacity(), 0u);
-        EXPECT_EQ(scene.images[2].width, 0);
-        EXPECT_EQ(scene.warnings().size(), 3u);
+    // The largest are halved, of equal ones the first; every one that was is told of.
+    struct Case {
+        uint64_t max_pixels;
+        int sides[3];
+    };
+    for (const Case& expected :
+         {Case{3 * 64 - 1, {4, 8, 8}}, Case{64, {4, 4, 4}}, Case{12, {2, 2, 2}}, Case{2, {1, 1, 0}}}) {
+        const Scene scene = load_gltf(folder / "scene.gltf", {.max_pixels = expected.max_pixels});
+        size_t halved = 0;
+        for (size_t i = 0; i < 3; ++i) {
+            EXPECT_EQ(scene.images[i].width, expected.sides[i]) << i;
+            EXPECT_EQ(scene.images[i].pixels, std::vector<uint8_t>(scene.images[i].pixels.size(), 128));
+            halved += expected.sides[i] < 8 ? 1 : 0;
+        }
+        EXPECT_EQ(scene.warnings().size(), 2u + halved);
+        EXPECT_EQ(check(scene), "");
     }
+}
+
+TEST(GltfLimits, ImagesFarBeyondTheLimitAreNotDecoded) {
+    const TempFolder folder;
+    write_png(folder / "a.png", 64, 64, std::vector<uint8_t>(64 * 64 * 4, 7));
+    GlbBuilder glb;
+    glb.push("images", {{"uri", "a.png"}});
+    glb.push("textures", {{"source", 0}});
+    glb.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+    write_file(folder / "scene.gltf", glb.json.dump());
+    const Scene halved = load_gltf(folder / "scene.gltf", {.max_pixels = 64});
+    EXPECT_EQ(halved.images[0].width, 8);
+    EXPECT_EQ(halved.images[0].halvings, 3);
+    EXPECT_EQ(halved.images[0].pixels, std::vector<uint8_t>(8 * 8 * 4, 7));
     const Scene none = load_gltf(folder / "scene.gltf", {.max_pixels = 63});
-    for (size_t i = 0; i < 3; ++i) EXPECT_EQ(none.images[i].pixels.capacity(), 0u) << i;
-    EXPECT_EQ(none.warnings().size(), 5u);
+    EXPECT_EQ(none.images[0].pixels.capacity(), 0u);
+    EXPECT_EQ(none.warnings().size(), 1u);
 }
 
 }  // namespace

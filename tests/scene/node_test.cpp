@@ -183,5 +183,103 @@ TEST(MaterialReader, FactorsExtensionsAndTransformsAreRead) {
     EXPECT_TRUE(scene.images[0].pixels.empty());
 }
 
+/// A file with one image, texture and material.
+Material read_material(const nlohmann::json& material) {
+    GlbBuilder glb;
+    glb.push("images", {{"uri", "missing.png"}});
+    glb.push("textures", {{"source", 0}});
+    glb.push("materials", material);
+    return glb.load().materials[0];
+}
+
+TEST(MaterialReader, TheDefaultIsTheSpecifications) {
+    const Material material = read_material(nlohmann::json::object());
+    EXPECT_EQ(material, Material{});
+    EXPECT_EQ(material.metallic, 1.0f);
+    EXPECT_EQ(material.roughness, 1.0f);
+    EXPECT_EQ(material.ior, 1.5f);
+}
+
+TEST(MaterialReader, EveryMemberOfEveryExtensionIsRead) {
+    const nlohmann::json texture = {{"index", 0}, {"texCoord", 1}};
+    const nlohmann::json moved = {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"offset", {0.5, 0}}}}}}};
+    const nlohmann::json normal = {{"index", 0}, {"scale", 0.25}};
+    const Material material =
+        read_material({{"pbrMetallicRoughness",
+                        {{"metallicFactor", 0.5}, {"roughnessFactor", 0.25}, {"metallicRoughnessTexture", texture}}},
+                       {"normalTexture", normal},
+                       {"extensions",
+                        {{"KHR_materials_ior", {{"ior", 1.33}}},
+                         {"KHR_materials_specular",
+                          {{"specularFactor", 0.75},
+                           {"specularTexture", texture},
+                           {"specularColorFactor", {1, 2, 0.5}},
+                           {"specularColorTexture", moved}}},
+                         {"KHR_materials_transmission", {{"transmissionFactor", 0.5}, {"transmissionTexture", texture}}},
+                         {"KHR_materials_volume",
+                          {{"thicknessFactor", 2}, {"attenuationDistance", 3}, {"attenuationColor", {0.1, 0.2, 0.3}}}},
+                         {"KHR_materials_clearcoat",
+                          {{"clearcoatFactor", 0.9},
+                           {"clearcoatTexture", texture},
+                           {"clearcoatRoughnessFactor", 0.1},
+                           {"clearcoatRoughnessTexture", moved},
+                           {"clearcoatNormalTexture", normal}}},
+                         {"KHR_materials_sheen",
+                          {{"sheenColorFactor", {0.3, 0.2, 0.1}},
+                           {"sheenColorTexture", texture},
+                           {"sheenRoughnessFactor", 0.6},
+                           {"sheenRoughnessTexture", texture}}}}}});
+    EXPECT_EQ(material.metallic, 0.5f);
+    EXPECT_EQ(material.roughness, 0.25f);
+    EXPECT_EQ(material.normal_scale, 0.25f);
+    EXPECT_EQ(material.ior, 1.33f);
+    EXPECT_EQ(material.specular, 0.75f);
+    EXPECT_EQ(material.specular_color, glm::vec3(1, 2, 0.5f));
+    EXPECT_EQ(material.transmission, 0.5f);
+    EXPECT_EQ(material.thickness, 2.0f);
+    EXPECT_EQ(material.attenuation_distance, 3.0f);
+    EXPECT_EQ(material.attenuation_color, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(material.coat, 0.9f);
+    EXPECT_EQ(material.coat_roughness, 0.1f);
+    EXPECT_EQ(material.coat_normal_scale, 0.25f);
+    EXPECT_EQ(material.sheen_color, glm::vec3(0.3f, 0.2f, 0.1f));
+    EXPECT_EQ(material.sheen_roughness, 0.6f);
+    for (const TextureRef* ref :
+         {&material.metallic_roughness_texture, &material.specular_texture, &material.transmission_texture,
+          &material.coat_texture, &material.sheen_color_texture, &material.sheen_roughness_texture}) {
+        EXPECT_EQ(ref->image, ImageId{0});
+        EXPECT_EQ(ref->uv_set, 1);
+    }
+    EXPECT_EQ(material.specular_color_texture.image_from_uv[2].x, 0.5f);
+    EXPECT_EQ(material.coat_roughness_texture.image_from_uv[2].x, 0.5f);
+    int unread = 0;
+    for (const TextureRef* ref : textures_of(material)) unread += ref->image == kNone<ImageId> ? 1 : 0;
+    EXPECT_EQ(unread, 2) << "base colour and emission have none";
+}
+
+TEST(MaterialReader, FactorsOutOfRangeAreClampedAndToldOf) {
+    GlbBuilder glb;
+    glb.push("materials",
+             {{"pbrMetallicRoughness", {{"roughnessFactor", 7}}}, {"extensions", {{"KHR_materials_ior", {{"ior", 0.5}}}}}});
+    glb.push("materials", {{"pbrMetallicRoughness", {{"metallicFactor", -1}}}});
+    const Scene scene = glb.load();
+    EXPECT_EQ(scene.materials[0].roughness, 1.0f);
+    EXPECT_EQ(scene.materials[0].ior, 1.0f);
+    EXPECT_EQ(scene.materials[1].metallic, 0.0f);
+    ASSERT_EQ(scene.warnings().size(), 1u);
+    EXPECT_EQ(scene.warnings().begin()->second, 2u);
+}
+
+TEST(MaterialReader, SamplersWithoutLevelsHaveNone) {
+    for (const auto& [filter, has_levels] : {std::pair(9728, false), {9729, false}, {9984, true}, {9987, true}}) {
+        GlbBuilder glb;
+        glb.push("images", {{"uri", "missing.png"}});
+        glb.push("samplers", {{"minFilter", filter}});
+        glb.push("textures", {{"source", 0}, {"sampler", 0}});
+        glb.push("materials", {{"emissiveTexture", {{"index", 0}}}});
+        EXPECT_EQ(glb.load().materials[0].emission_texture.has_levels, has_levels) << filter;
+    }
+}
+
 }  // namespace
 }  // namespace zoe::test

@@ -1,0 +1,71 @@
+#include "engine/render/glow.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "engine/render/direction.h"
+#include "engine/render/texture.h"
+
+namespace zoe {
+
+namespace {
+
+/// The mean of a texture's light, where it has levels.
+glm::vec3 mean_color(const Scene& scene, const TextureRef& ref) {
+    if (!has_pixels(scene.images, ref)) return glm::vec3(1.0f);
+    const Image& image = scene.images[index(ref.image)];
+    if (image.coarser.empty()) return glm::vec3(1.0f);
+    const std::vector<uint8_t>& texel = image.coarser.back().pixels;
+    return {linear_from_srgb_byte(texel[0]), linear_from_srgb_byte(texel[1]), linear_from_srgb_byte(texel[2])};
+}
+
+float brightness_of(const Scene& scene, const Material& material) {
+    if (material.emission == glm::vec3(0.0f)) return 0.0f;
+    const float brightness = largest(material.emission * mean_color(scene, material.emission_texture));
+    return std::isfinite(brightness) ? brightness : 0.0f;
+}
+
+/// In the world; 0 where it is not finite.
+float area_of(const Instance& instance, const glm::uvec3& corner) {
+    const glm::vec3& a = instance.positions[corner.x];
+    const glm::vec3 ab = instance.world_from_local.vector(instance.positions[corner.y] - a);
+    const glm::vec3 ac = instance.world_from_local.vector(instance.positions[corner.z] - a);
+    const float area = static_cast<float>(0.5 * glm::length(glm::cross(glm::dvec3(ab), glm::dvec3(ac))));
+    return std::isfinite(area) ? area : 0.0f;
+}
+
+}  // namespace
+
+void Glow::gather(const Scene& scene, const Tlas& tlas) {
+    brightness_.clear();
+    for (const Material& material : scene.materials) brightness_.push_back(brightness_of(scene, material));
+    places_.clear();
+    power_.clear();
+    for (const Instance& instance : tlas.instances) {
+        for (const MaterialRange& range : instance.mesh->materials) {
+            if (range.material == kNone<MaterialId> || !(brightness_[index(range.material)] > 0.0f)) continue;
+            for (uint32_t i = range.begin; i < range.end; ++i) {
+                const float power = area_of(instance, instance.mesh->corners[i]) * brightness_[index(range.material)];
+                if (!(power > 0.0f) || !std::isfinite(power)) continue;
+                places_.push_back({instance.node, i});
+                power_.push_back(power);
+            }
+        }
+    }
+    table_.build(power_);
+}
+
+Hit Glow::sample(float pick, const glm::vec2& u) const {
+    const Place& place = places_[table_.pick(pick)];
+    const float root = std::sqrt(u.x);
+    return {.t = 0.0f, .u = root * (1.0f - u.y), .v = root * u.y, .node = place.node, .primitive = place.primitive};
+}
+
+float Glow::density(MaterialId material) const {
+    if (material == kNone<MaterialId> || is_dark()) return 0.0f;
+    return static_cast<float>(static_cast<double>(brightness_[index(material)]) / table_.total());
+}
+
+}  // namespace zoe

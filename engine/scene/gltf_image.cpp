@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <map>
+#include <span>
+#include <stdexcept>
+
+#include "engine/scene/gltf_material.h"
+#include "engine/scene/gltf_uri.h"
+#include "engine/scene/image_levels.h"
+
+namespace zoe {
+namespace {
+
+constexpr uint64_t kMaxImageBytes = uint64_t{1} << 30;
+
+std::vector<std::byte> encoded_bytes(const GltfFile& file, const GltfImage& image) {
+    if (image.view >= 0) {
+        const GltfView& view = file.views[static_cast<size_t>(image.view)];
+        const std::span<const std::byte> bytes = file.buffer(view.buffer).subspan(view.offset, view.length);
+        return {bytes.begin(), bytes.end()};
+    }
+    if (image.uri.empty()) throw std::runtime_error("it has neither a uri nor a bufferView");
+    return read_uri(image.uri, file.folder, kMaxImageBytes);
+}
+
+/// Equal for images whose encoded bytes are the same ones.
+/// Throws     std::runtime_error with the reason why there are none.
+std::string source_of(const GltfFile& file, const GltfImage& image) {
+    if (image.view >= 0) {
+        const GltfView& view = file.views[static_cast<size_t>(image.view)];
+        return fmt::format("view {} {} {}", file.buffers[view.buffer].content, view.offset, view.length);
+    }
+    if (image.uri.empty() || image.uri.starts_with("data:")) return image.uri;
+    return find_uri_file(image.uri, file.folder).string();
+}
+
+/// An image that has been decoded, or the reason why not.
+struct Decoded {
+    size_t image = 0;
+    std::string error;
+};
+
+/// Fills an image's pixels.
+/// images     the ones before it.
+/// decoded    by source_of, and by what the numbers mean.
+/// Returns    the reason why it has none; empty where all is well.
+/// Throws     std::runtime_error with the reason, too.
+std::string read_pixels(const GltfFile& file, const GltfImage& from, const std::vector<Image>& images, uint64_t max_pixels,
+                        std::map<std::pair<std::string, bool>, Decoded>& decoded, Image& image) {
+    const auto [found, is_new] = decoded.try_emplace({source_of(file, from), image.is_color}, Decoded{images.size(), {}});
+    std::string& error = found->second.error;
+    if (is_new) {
+        try {
+            decode_image(encoded_bytes(file, from), &image, &error, max_pixels);
+        } catch (const std::runtime_error& exception) {
+            error = exception.what();
+        }
+        make_levels(&image);
+    } else if (error.empty()) {
+        const std::string name = std::move(image.name);
+        image = images[found->second.image];
+        image.name = name;
+    }
+    return error;
+}
+
+/// How materials show an image.
+enum class Shown : uint8_t { kNot, kAsNumbers, kAsColor };
+
+std::vector<Shown> how_shown(size_t image_count, const Scene& scene) {
+    std::vector<Shown> shown(image_count, Shown::kNot);
+    for (const Material& material : scene.materials) {
+        const auto textures = textures_of(material);
+        for (size_t i = 0; i < textures.size(); ++i) {
+            if (textures[i]->image == kNone<ImageId>) continue;
+            Shown& as = shown[index(textures[i]->image)];
+            as = std::max(as, i < kColorTextureCount ? Shown::kAsColor : Shown::kAsNumbers);
+        }
+    }
+    return shown;
+}
+
+std::string place_of(const GltfImage& from, size_t i) {
+    return fmt::format("/images/{}{}", i, from.view >= 0 ? "" : " (" + shown(from.uri) + ")");
+}
+
+}  // namespace
+
+std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options, Scene& scene) {
+    const std::vector<Shown> as = how_shown(file.images.size(), scene);
+    std::map<std::pair<std::string, bool>, Decoded> decoded;
+    std::vector<Image> images;
+    for (size_t i = 0; i < file.images.size(); ++i) {
+        const GltfImage& from = file.images[i];
+        Image image;
+        image.name = !from.name.empty() ? from.name : from.uri.starts_with("data:") ? std::string() : from.uri;
+        image.is_color = as[i] != Shown::kAsNumbers;
+        if (options.load_images && as[i] != Shown::kNot) {
+            std::string error;
+            try {
+                error = read_pixels(file, from, images, options.max_pixels, decoded, image);
+            } catch (const std::runtime_error& exception) {
+                error = exception.what();
+            }
+            if (!error.empty()) scene.warn(fmt::format("{}: {}: not shown", place_of(from, i), error));
+        }
+        images.push_back(std::move(image));
+    }
+    fit_images(&images, options.max_pixels);
+    for (size_t i = 0; i < images.size(); ++i) {
+        if (images[i].halvings == 0) continue;
+        scene.warn(fmt::format("{}: halved {} times, to {} x {} texels: images may have {} together",
+                               place_of(file.images[i], i), images[i].halvings, images[i].width, images[i].height,
+                               options.max_pixels));
+    }
+    return images;
+}
+
+}  // namespace zoe

@@ -1,0 +1,133 @@
+#include "engine/scene/image_levels.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <numeric>
+
+#include "engine/math/parallel.h"
+#include "engine/scene/srgb.h"
+
+namespace zoe {
+
+namespace {
+
+constexpr size_t kRowsATask = 16;
+
+/// The texels that one of the coarser row covers, as exact shares in units of 1 / to: [i * from, (i + 1) * from) in steps of
+/// `to`. Where `from` is even they are two halves.
+struct Cover {
+    int first = 0, count = 0;
+    std::array<float, 3> share{};  // 2 to 3 texels: from <= 2 * to
+};
+
+Cover cover(int i, int from, int to) {
+    const int64_t begin = int64_t{i} * from, end = begin + from;
+    Cover result;
+    result.first = static_cast<int>(begin / to);
+    for (int64_t at = begin; at < end; ++result.count) {
+        const int64_t next = std::min(end, (at / to + 1) * to);
+        result.share[static_cast<size_t>(result.count)] = static_cast<float>(next - at) / static_cast<float>(from);
+        at = next;
+    }
+    return result;
+}
+
+uint64_t texel_count(const Image& image) {
+    return image.pixels.size() / 4;
+}
+
+}  // namespace
+
+ImageLevel halved(int width, int height, std::span<const uint8_t> pixels, bool is_color) {
+    assert(width > 0 && height > 0);
+    ImageLevel to{(width + 1) / 2, (height + 1) / 2, {}};
+    const size_t from_row = size_t{4} * static_cast<size_t>(width), to_row = size_t{4} * static_cast<size_t>(to.width);
+    to.pixels.resize(to_row * static_cast<size_t>(to.height));
+    const auto halve_row = [&](size_t y) {
+        const Cover rows = cover(static_cast<int>(y), height, to.height);
+        for (int x = 0; x < to.width; ++x) {
+            const Cover columns = cover(x, width, to.width);
+            float sum[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+            for (int j = 0; j < rows.count; ++j) {
+                for (int i = 0; i < columns.count; ++i) {
+                    const size_t at =
+                        static_cast<size_t>(rows.first + j) * from_row + size_t{4} * static_cast<size_t>(columns.first + i);
+                    const float share = rows.share[static_cast<size_t>(j)] * columns.share[static_cast<size_t>(i)];
+                    for (size_t c = 0; c < 4; ++c) {
+                        const uint8_t byte = pixels[at + c];
+                        sum[c] += share * (is_color && c < 3 ? linear_from_srgb_byte(byte) : static_cast<float>(byte));
+                    }
+                }
+            }
+            uint8_t* const out = &to.pixels[y * to_row + size_t{4} * static_cast<size_t>(x)];
+            for (size_t c = 0; c < 4; ++c) {
+                out[c] = is_color && c < 3 ? srgb_byte_from_linear(sum[c]) : static_cast<uint8_t>(sum[c] + 0.5f);
+            }
+        }
+    };
+    parallel_for(0, static_cast<size_t>(to.height), kRowsATask, [&](size_t begin, size_t end) {
+        for (size_t y = begin; y < end; ++y) halve_row(y);
+    });
+    return to;
+}
+
+void make_levels(Image* image) {
+    image->coarser.clear();
+    if (image->pixels.empty()) return;
+    if (image->width > 1 || image->height > 1) {
+        image->coarser.push_back(halved(image->width, image->height, image->pixels, image->is_color));
+    }
+    while (!image->coarser.empty() && (image->coarser.back().width > 1 || image->coarser.back().height > 1)) {
+        const ImageLevel& last = image->coarser.back();
+        image->coarser.push_back(halved(last.width, last.height, last.pixels, image->is_color));
+    }
+}
+
+void drop_finest(Image* image) {
+    assert(!image->coarser.empty());
+    ImageLevel& next = image->coarser.front();
+    image->width = next.width;
+    image->height = next.height;
+    image->pixels = std::move(next.pixels);
+    image->coarser.erase(image->coarser.begin());
+    ++image->halvings;
+}
+
+void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
+    uint64_t total = 0;
+    for (const Image& image : *images) total += texel_count(image);
+    // Largest first; of equal ones the first in the list.
+    const auto is_smaller = [&](size_t a, size_t b) {
+        const uint64_t count_a = texel_count((*images)[a]), count_b = texel_count((*images)[b]);
+        return count_a != count_b ? count_a < count_b : a > b;
+    };
+    std::vector<size_t> heap(total > max_pixels ? images->size() : 0);
+    std::iota(heap.begin(), heap.end(), size_t{0});
+    std::make_heap(heap.begin(), heap.end(), is_smaller);
+    while (total > max_pixels && !(*images)[heap.front()].coarser.empty()) {
+        std::pop_heap(heap.begin(), heap.end(), is_smaller);
+        Image& image = (*images)[heap.back()];
+        total -= texel_count(image);
+        drop_finest(&image);
+        total += texel_count(image);
+        std::push_heap(heap.begin(), heap.end(), is_smaller);
+    }
+    for (size_t i = images->size(); i-- > 0 && total > max_pixels;) {
+        Image& image = (*images)[i];
+        total -= texel_count(image);
+        image.width = image.height = 0;
+        image.pixels = {};
+    }
+}
+
+uint64_t byte_count(std::span<const Image> images) {
+    uint64_t total = 0;
+    for (const Image& image : images) {
+        total += image.pixels.size();
+        for (const ImageLevel& level : image.coarser) total += level.pixels.size();
+    }
+    return total;
+}
+
+}  // namespace zoe

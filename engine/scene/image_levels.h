@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/scene/image.h"
+
+namespace zoe {
+
+/// Half a picture's sides, rounded up: every texel is the mean of what it covers, so the picture's mean stays, up to the
+/// rounding of bytes.
+/// pixels     [height * width * 4]
+/// is_color   red, green and blue are sRGB: their light is averaged.
+ImageLevel halved(int width, int height, std::span<const uint8_t> pixels, bool is_color);
+
+/// Makes all coarser levels of an image that has pixels, down to one texel.
+/// Cost       as many texels as a third of the image's, in parallel over rows.
+void make_levels(Image* image);
+
+/// Takes the finest level away: both sides are halved.
+/// Requires   that there are coarser ones.
+void drop_finest(Image* image);
+
+/// Halves the largest images until all of them together have at most so many texels in their finest levels; of equally
+/// large ones the first. What is left when they are single texels is dropped from the last image on.
+void fit_images(std::vector<Image>* images, uint64_t max_pixels);
+
+/// What images and their levels take in memory.
+uint64_t byte_count(std::span<const Image> images);
+
+}  // namespace zoe
