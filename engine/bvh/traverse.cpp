@@ -96,7 +96,8 @@ HWY_INLINE void trace_one_by_one(const TwoLevels& scene, const Ray* rays, size_t
     for (size_t k = 0; k < count; ++k) {
         const Ray& ray = rays[k];
         walk.start(root, RawHit{.t = ray.t_max}, ray.t_min);
-        if (walk.world.set(ray, scene.slack) && ray.t_min <= ray.t_max) {
+        if (walk.world.set(ray) && ray.t_min <= ray.t_max) {
+            walk.world.widen(scene.slack);
             walk.is_in_instance = only != nullptr;
             trace(walk, &scene, 0);
         }
@@ -119,7 +120,7 @@ HWY_INLINE void trace_together(const TwoLevels& scene, const Ray* rays, size_t c
     Packet world(&found), local(&found);
     // The stream holds the rays before rays[end].
     const auto finish_stream = [&](size_t end) HWY_ATTR {
-        trace_stream<kIsAny>(scene, nullptr, &stream, &work);
+        trace_stream<kIsAny>(scene, &stream, &work);
         for (size_t n = 0; n < stream.size; ++n) finish(end - stream.size + n, stream.hits[n], (stream.found >> n & 1) != 0);
         stream.clear();
     };

@@ -18,7 +18,7 @@ HWY_INLINE void trace_apart(const TwoLevels& scene, const PlacedBlas& placed, ui
         stream->t_floor[k] = packet->t_floor[k];
         if (stream->local[k].set(packet->ray(k))) stream->looking |= RaySet{1} << k;
     }
-    trace_stream<kIsAny>(scene, &placed, stream, counts);
+    trace_instance<kIsAny>(placed, stream->looking, stream, stream->stack, counts);
     for (RaySet found = stream->found; found != 0; found &= found - 1) {
         const int k = std::countr_zero(found);
         const RawHit& hit = stream->hits[k];

@@ -45,12 +45,11 @@ HWY_INLINE uint32_t bits_of(D d, hn::Mask<D> mask) {
 // What the kernels read of a ray in one space: by axis, and a lane of no meaning. The operations are those of SlabRay and
 // RayFrame.
 struct Space {
-    // slack      of TwoLevels, where the space is the world's.
     // Returns false for a ray that hits nothing.
-    HWY_INLINE bool set(hn::Vec<AxisTag> ray_origin, hn::Vec<AxisTag> ray_direction, float slack = 0.0f) {
+    HWY_INLINE bool set(hn::Vec<AxisTag> ray_origin, hn::Vec<AxisTag> ray_direction) {
         const AxisTag d;
         const auto one = hn::Set(d, 1.0f), most = hn::Set(d, std::numeric_limits<float>::max());
-        set_slabs(ray_origin, hn::Div(one, ray_direction), slack);
+        set_slabs(ray_origin, hn::Div(one, ray_direction));
         hn::Store(ray_direction, d, direction);
         set_shears(ray_origin, ray_direction);
         // Comparisons are false for NaN.
@@ -58,10 +57,20 @@ struct Space {
         const auto is_finite = hn::And(hn::Le(size, most), hn::Le(hn::Abs(ray_origin), most));
         return (bits_of(d, is_finite) & 7) == 7 && (bits_of(d, hn::Ge(size, hn::Set(d, kShortestDirection))) & 7) != 0;
     }
-    HWY_INLINE bool set(const Ray& ray, float slack = 0.0f) {
+    HWY_INLINE bool set(const Ray& ray) {
         const AxisTag d;
         // What follows an origin or a direction fills the fourth lane.
-        return set(hn::LoadU(d, &ray.origin.x), hn::LoadU(d, &ray.direction.x), slack) & (ray.t_min >= 0.0f);
+        return set(hn::LoadU(d, &ray.origin.x), hn::LoadU(d, &ray.direction.x)) & (ray.t_min >= 0.0f);
+    }
+    // Of a ray in the world, for the top level.
+    // slack      of TwoLevels.
+    HWY_INLINE void widen(float slack) {
+        const AxisTag d;
+        // A near plane that moves against the ray is an origin that moves along it.
+        const float size = std::max({std::abs(origin[0]), std::abs(origin[1]), std::abs(origin[2])});
+        const auto at = hn::Load(d, origin), more = hn::CopySign(hn::Set(d, slack * size), hn::Load(d, inverse));
+        hn::Store(hn::Add(at, more), d, first);
+        hn::Store(hn::Sub(at, more), d, last);
     }
     void set(const RayFrame& ray) {
         const AxisTag d;
@@ -69,7 +78,7 @@ struct Space {
             HWY_ALIGN const float lanes[4] = {v.x, v.y, v.z, 1.0f};
             return hn::Load(d, lanes);
         };
-        set_slabs(load(ray.origin), load(ray.inverse_direction), 0.0f);
+        set_slabs(load(ray.origin), load(ray.inverse_direction));
         const int order[3] = {ray.kx, ray.ky, ray.kz};
         const float shears[3] = {ray.shear_x, ray.shear_y, ray.shear_z};
         for (int k = 0; k < 3; ++k) {
@@ -91,7 +100,7 @@ struct Space {
     alignas(16) float shear[4];
 
 private:
-    HWY_INLINE void set_slabs(hn::Vec<AxisTag> ray_origin, hn::Vec<AxisTag> ray_inverse, float slack) {
+    HWY_INLINE void set_slabs(hn::Vec<AxisTag> ray_origin, hn::Vec<AxisTag> ray_inverse) {
         const AxisTag d;
         const AxisBits bits;
         HWY_ALIGN static constexpr uint32_t kRows[4] = {0, 2 * kWidth, 4 * kWidth, 0};
@@ -99,11 +108,6 @@ private:
             hn::Add(hn::Mul(ray_inverse, hn::Set(d, kCullPad)), hn::CopySign(hn::Set(d, kCullStep), ray_inverse));
         const auto is_negative = hn::BitCast(bits, hn::BroadcastSignBit(hn::BitCast(AxisInts(), ray_inverse)));
         hn::Store(ray_origin, d, origin);
-        // A near plane that moves against the ray is an origin that moves along it.
-        const float size = std::max({std::abs(origin[0]), std::abs(origin[1]), std::abs(origin[2])});
-        const auto more = hn::CopySign(hn::Set(d, slack * size), ray_inverse);
-        hn::Store(hn::Add(ray_origin, more), d, first);
-        hn::Store(hn::Sub(ray_origin, more), d, last);
         hn::Store(ray_inverse, d, inverse);
         hn::Store(far, d, far_inverse);
         hn::Store(is_negative, bits, negative);

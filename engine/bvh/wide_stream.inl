@@ -11,6 +11,10 @@ namespace HWY_NAMESPACE {
 using RaySet = uint64_t;
 constexpr size_t kStreamSize = 64;
 
+// Sets side by side, one for each child of a node.
+using SetTag = hn::CappedTag<RaySet, kWidth>;
+constexpr size_t kSetLanes = HWY_MAX_BYTES >= 64 ? 8 : HWY_MAX_BYTES >= 32 ? 4 : 2;
+
 // A child to be visited by some of the rays.
 struct StreamEntry {
     uint32_t child;
@@ -28,7 +32,8 @@ struct Stream {
     // slack      of TwoLevels.
     HWY_INLINE void add(const Ray& ray, float slack) {
         const size_t k = size++;
-        const bool can_hit = world[k].set(ray, slack) & (ray.t_min <= ray.t_max);
+        const bool can_hit = world[k].set(ray) & (ray.t_min <= ray.t_max);
+        world[k].widen(slack);
         hits[k] = {.t = ray.t_max};
         limit[k] = ray.t_max * kCullPad;
         t_min[k] = ray.t_min;
@@ -42,21 +47,21 @@ struct Stream {
     Space world[kStreamSize], local[kStreamSize];
     RawHit hits[kStreamSize];
     float limit[kStreamSize];  // As in Walk.
-    float t_min[kStreamSize], t_floor[kStreamSize];
+    float t_min[kStreamSize];
+    float t_floor[kStreamSize];  // No hit in the instance is nearer; negative where nobody has asked yet.
 };
 
-// Pushes the children of a node that rays enter; for closest hits, nearest last. Returns the new end of the stack.
+// Pushes the children of a node that rays enter; for closest hits, nearest last, and of equally near ones the first. Returns
+// the new end of the stack.
 template <bool kIsAny, bool kIsInTop>
 HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces, const float* limit, RaySet rays,
                                       StreamEntry* end) {
     const BoxTag d;
-    const hn::CappedTag<uint8_t, kStreamSize> bytes;
-    // A byte for each ray, whose bits are the children that it enters.
-    HWY_ALIGN uint8_t entered[kStreamSize];
-    for (size_t k = 0; k < kStreamSize; k += hn::Lanes(bytes)) hn::Store(hn::Zero(bytes), bytes, entered + k);
+    const SetTag sets;
+    hn::Vec<SetTag> entering[kWidth / kSetLanes];  // The rays that enter each child.
+    for (auto& some : entering) some = hn::Zero(sets);
     hn::Vec<BoxTag> nearest[kWidth / kLanes];
     for (auto& t : nearest) t = hn::Set(d, kInfinity);
-    uint32_t entered_by_any = 0;
     for (; rays != 0; rays &= rays - 1) {
         const int k = std::countr_zero(rays);
         const BoxRay ray(spaces[k], kIsInTop);
@@ -66,8 +71,17 @@ HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces,
             bits |= bits_of(d, t.mask) << (part * kLanes);
             if (!kIsAny) nearest[part] = smaller(hn::IfThenElse(t.mask, t.t, hn::Set(d, kInfinity)), nearest[part]);
         }
-        entered[k] = static_cast<uint8_t>(bits);
-        entered_by_any |= bits;
+        const auto ray_itself = hn::Set(sets, RaySet{1} << k);
+        for (size_t part = 0; part < kWidth / kSetLanes; ++part) {
+            const uint8_t some[8] = {static_cast<uint8_t>(bits >> (part * kSetLanes))};
+            entering[part] = hn::Or(entering[part], hn::IfThenElseZero(hn::LoadMaskBits(sets, some), ray_itself));
+        }
+    }
+    uint32_t entered_by_any = 0;
+    HWY_ALIGN RaySet entering_slot[kWidth];
+    for (size_t part = 0; part < kWidth / kSetLanes; ++part) {
+        entered_by_any |= bits_of(sets, hn::Ne(entering[part], hn::Zero(sets))) << (part * kSetLanes);
+        hn::Store(entering[part], sets, entering_slot + part * kSetLanes);
     }
     HWY_ALIGN uint32_t keys[kWidth];
     if (!kIsAny) {
@@ -77,28 +91,20 @@ HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces,
     StreamEntry* const begin = end;
     for (; entered_by_any != 0; entered_by_any &= entered_by_any - 1) {
         const int slot = std::countr_zero(entered_by_any);
-        RaySet entering = 0;
-        for (size_t k = 0; k < kStreamSize; k += hn::Lanes(bytes)) {
-            const auto is_in = hn::TestBit(hn::Load(bytes, entered + k), hn::Set(bytes, static_cast<uint8_t>(1u << slot)));
-            uint8_t bits[8] = {};
-            hn::StoreMaskBits(bytes, is_in, bits);
-            RaySet some;
-            std::memcpy(&some, bits, sizeof some);
-            entering |= some << k;
-        }
         StreamEntry* at = end++;
         if (!kIsAny) {
-            for (; at != begin && at[-1].key < keys[slot]; --at) *at = at[-1];
+            for (; at != begin && at[-1].key <= keys[slot]; --at) *at = at[-1];
         }
-        *at = {node.child[slot], kIsAny ? 0 : keys[slot], entering};
+        *at = {node.child[slot], kIsAny ? 0 : keys[slot], entering_slot[slot]};
     }
     return end;
 }
 
 // Tests a leaf's triangles.
 template <bool kIsAny>
-HWY_INLINE void test_leaf(const TriangleBlock* blocks, uint32_t child, uint32_t id, const Space* spaces, RaySet rays,
-                          Stream* stream, TraverseCounts* counts) {
+HWY_INLINE void test_leaf(const PlacedBlas& placed, uint32_t child, const Space* spaces, RaySet rays, Stream* stream,
+                          TraverseCounts* counts) {
+    const TriangleBlock* const blocks = placed.blas->blocks.data();
     const TriangleBlock* block = blocks + first_block(child);
     for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
         if (kIsAny) rays &= stream->looking;
@@ -106,10 +112,15 @@ HWY_INLINE void test_leaf(const TriangleBlock* blocks, uint32_t child, uint32_t 
         for (RaySet rest = rays; rest != 0; rest &= rest - 1) {
             const int k = std::countr_zero(rest);
             RawHit& hit = stream->hits[k];
-            test_block(*block, spaces[k], stream->t_floor[k], stream->t_min[k], hit.t,
+            const auto floor = [&]() HWY_ATTR {
+                float& t = stream->t_floor[k];
+                if (t < 0.0f) t = entry(stream->world[k], placed.bounds_world, kInfinity);
+                return t;
+            };
+            test_block(*block, spaces[k], floor, stream->t_min[k], hit.t,
                        [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
-                           if (!is_closer(t, id, primitive, hit)) return;
-                           hit = {t, u, v, id, primitive};
+                           if (!is_closer(t, placed.id, primitive, hit)) return;
+                           hit = {t, u, v, placed.id, primitive};
                            stream->limit[k] = t * kCullPad;
                            stream->found |= RaySet{1} << k;
                            if (kIsAny) stream->looking &= ~(RaySet{1} << k);
@@ -118,77 +129,80 @@ HWY_INLINE void test_leaf(const TriangleBlock* blocks, uint32_t child, uint32_t 
     }
 }
 
-// Takes those of the rays that enter an instance into its space, and returns them.
+// Takes those of the rays that can hit anything in an instance into its space, and returns them. Where they enter its box is
+// worked out by the first hit: most tests find none.
 HWY_INLINE RaySet enter_instance(const PlacedBlas& placed, RaySet rays, Stream* stream) {
+    if (placed.is_identity) {
+        for (RaySet rest = rays; rest != 0; rest &= rest - 1) stream->t_floor[std::countr_zero(rest)] = 0.0f;
+        return rays;
+    }
     RaySet entered = 0;
     for (; rays != 0; rays &= rays - 1) {
         const int k = std::countr_zero(rays);
-        stream->t_floor[k] = 0.0f;
-        if (!placed.is_identity) {
-            stream->t_floor[k] = entry(stream->world[k], placed.bounds_world, stream->hits[k].t);
-            if (!(stream->t_floor[k] < kInfinity)) continue;
-            if (!transform(placed.local_from_world, stream->world[k], &stream->local[k])) continue;
-        }
+        stream->t_floor[k] = -1.0f;
+        if (!transform(placed.local_from_world, stream->world[k], &stream->local[k])) continue;
         entered |= RaySet{1} << k;
     }
     return entered;
 }
 
 // Asks for the memory of what is visited next, or soon.
-HWY_INLINE void prefetch(const StreamEntry& entry, const WideNode* nodes, const TriangleBlock* blocks,
-                         const PlacedBlas* instances) {
-    const void* what = nodes + entry.child;
-    if (is_leaf(entry.child)) {
-        what = blocks ? static_cast<const void*>(blocks + first_block(entry.child)) : instances + first_block(entry.child);
+// leaves     what the tree's blocks are.
+template <class Leaf>
+HWY_INLINE void prefetch(const StreamEntry* bottom, const StreamEntry* end, const WideNode* nodes, const Leaf* leaves) {
+    for (ptrdiff_t n = 1; n <= std::min<ptrdiff_t>(2, end - bottom); ++n) {
+        const uint32_t child = end[-n].child;
+        const void* what = nodes + child;
+        if (is_leaf(child)) what = leaves + first_block(child);
+        for (int line = 0; line < 4; ++line) __builtin_prefetch(static_cast<const std::byte*>(what) + 64 * line);
     }
-    for (int line = 0; line < 4; ++line) __builtin_prefetch(static_cast<const std::byte*>(what) + 64 * line);
 }
 
-// Takes the stream's rays through the scene, or through one instance of it whose space is `local`.
-// placed     that instance, or null.
+// Takes rays through an instance, in whose space they are already.
+// bottom     of what it may keep of the stack.
 template <bool kIsAny>
-void trace_stream(const TwoLevels& scene, const PlacedBlas* placed, Stream* stream, TraverseCounts* counts) {
-    const WideNode* nodes = scene.top->nodes.data();
-    const TriangleBlock* blocks = nullptr;
-    const Space* spaces = stream->world;
-    uint32_t id = 0;
-    const auto go_into = [&](const PlacedBlas& instance) {
-        nodes = instance.blas->tree.nodes.data();
-        blocks = instance.blas->blocks.data();
-        id = instance.id;
-        if (!instance.is_identity) spaces = stream->local;
-    };
-    if (placed) go_into(*placed);
-    StreamEntry* const bottom = stream->stack;
+HWY_INLINE void trace_instance(const PlacedBlas& placed, RaySet entered, Stream* stream, StreamEntry* bottom,
+                               TraverseCounts* counts) {
+    const WideNode* const nodes = placed.blas->tree.nodes.data();
+    const TriangleBlock* const blocks = placed.blas->blocks.data();
+    const Space* const spaces = placed.is_identity ? stream->world : stream->local;
     StreamEntry* end = bottom;
-    *end++ = {placed ? placed->start : 0, 0, stream->looking};
-    while (end != bottom && (!kIsAny || stream->looking != 0)) {
+    *end++ = {placed.start, 0, entered};
+    while (end != bottom) {
         --end;
         const uint32_t at = end->child;
-        const RaySet rays = end->rays & stream->looking;
-        if (at == kLeave) {
-            nodes = scene.top->nodes.data();
-            blocks = nullptr;
-            spaces = stream->world;
-        } else if (rays == 0) {
-            // All that were to go on here have hit something since.
-        } else if (!is_leaf(at)) {
-            counts->nodes += static_cast<uint32_t>(std::popcount(rays));
-            end = blocks ? push_children<kIsAny, false>(nodes[at], spaces, stream->limit, rays, end)
-                         : push_children<kIsAny, true>(nodes[at], spaces, stream->limit, rays, end);
-            for (ptrdiff_t n = 1; n <= std::min<ptrdiff_t>(2, end - bottom); ++n) {
-                if (end[-n].child == kLeave) break;  // What lies below is of the top level.
-                prefetch(end[-n], nodes, blocks, scene.instances);
-            }
-        } else if (blocks) {
-            test_leaf<kIsAny>(blocks, at, id, spaces, rays, stream, counts);
+        const RaySet rays = kIsAny ? end->rays & stream->looking : end->rays;
+        if (kIsAny && rays == 0) continue;
+        if (is_leaf(at)) {
+            test_leaf<kIsAny>(placed, at, spaces, rays, stream, counts);
         } else {
-            const PlacedBlas& instance = scene.instances[first_block(at)];
-            const RaySet entered = enter_instance(instance, rays, stream);
-            if (entered == 0) continue;
-            *end++ = {kLeave, 0, 0};
-            *end++ = {instance.start, 0, entered};
-            go_into(instance);
+            counts->nodes += static_cast<uint32_t>(std::popcount(rays));
+            end = push_children<kIsAny, false>(nodes[at], spaces, stream->limit, rays, end);
+            prefetch(bottom, end, nodes, blocks);
+        }
+    }
+}
+
+// Takes the stream's rays through the scene.
+template <bool kIsAny>
+void trace_stream(const TwoLevels& scene, Stream* stream, TraverseCounts* counts) {
+    const WideNode* const nodes = scene.top->nodes.data();
+    StreamEntry* const bottom = stream->stack;
+    StreamEntry* end = bottom;
+    *end++ = {0, 0, stream->looking};
+    while (end != bottom) {
+        --end;
+        const uint32_t at = end->child;
+        const RaySet rays = kIsAny ? end->rays & stream->looking : end->rays;
+        if (kIsAny && rays == 0) continue;
+        if (is_leaf(at)) {
+            const PlacedBlas& placed = scene.instances[first_block(at)];
+            const RaySet entered = enter_instance(placed, rays, stream);
+            if (entered != 0) trace_instance<kIsAny>(placed, entered, stream, end, counts);
+        } else {
+            counts->nodes += static_cast<uint32_t>(std::popcount(rays));
+            end = push_children<kIsAny, true>(nodes[at], stream->world, stream->limit, rays, end);
+            prefetch(bottom, end, nodes, scene.instances);
         }
     }
 }

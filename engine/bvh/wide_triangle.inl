@@ -6,8 +6,9 @@ namespace zoe {
 namespace HWY_NAMESPACE {
 
 // Tests a block and calls found(t, u, v, primitive) for every hit with t in [t_min, t_max].
-template <typename Found>
-HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t_floor, float t_min, float t_max,
+// floor      gives what no hit is nearer than.
+template <typename Floor, typename Found>
+HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, Floor&& floor, float t_min, float t_max,
                            Found&& found) {
     const BlockTag d;
     using V = hn::Vec<BlockTag>;
@@ -98,7 +99,7 @@ HWY_INLINE void test_block(const TriangleBlock& block, const Space& ray, float t
     hn::Store(in, d, entries);
     for (; left != 0; left &= left - 1) {
         const int slot = std::countr_zero(left);
-        const float t = std::max(std::max(ts[slot], t_floor), entries[slot]);
+        const float t = std::max(std::max(ts[slot], floor()), entries[slot]);
         if (t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity()) {
             found(t, us[slot], vs[slot], block.primitive[slot]);
         }

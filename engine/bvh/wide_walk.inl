@@ -49,14 +49,15 @@ HWY_INLINE void test_leaf(Walk<kIsAny>& walk, const Space& space, uint32_t child
     const TriangleBlock* block = walk.blocks + first_block(child);
     for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
         walk.counts.triangles += TriangleBlock::kSize;
-        test_block(*block, space, walk.t_floor, walk.t_min, walk.hit.t,
-                   [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
-                       RawHit& hit = walk.hit;
-                       if (!is_closer(t, walk.id, primitive, hit)) return;
-                       hit = {t, u, v, walk.id, primitive};
-                       walk.is_found = true;
-                       walk.set_limit();
-                   });
+        test_block(
+            *block, space, [&]() HWY_ATTR { return walk.t_floor; }, walk.t_min, walk.hit.t,
+            [&](float t, float u, float v, uint32_t primitive) HWY_ATTR {
+                RawHit& hit = walk.hit;
+                if (!is_closer(t, walk.id, primitive, hit)) return;
+                hit = {t, u, v, walk.id, primitive};
+                walk.is_found = true;
+                walk.set_limit();
+            });
         if (kIsAny && walk.is_found) return;
     }
 }

@@ -114,6 +114,54 @@ TEST(Tlas, OpenedInstancesAndTightBoxesGiveTheSameHits) {
     EXPECT_GT(tlas.parts.size(), tlas.instances.size() + 20) << "nothing was opened";
 }
 
+// Small triangles in a ball of radius 1.
+Mesh ball_of_triangles(int count, Rng& rng) {
+    Mesh mesh;
+    for (int k = 0; k < count; ++k) {
+        const glm::vec3 centre = test::random_point(rng, 0.6f);
+        const auto first = static_cast<uint32_t>(mesh.positions.size());
+        for (int corner = 0; corner < 3; ++corner) mesh.positions.push_back(centre + test::random_point(rng, 0.15f));
+        mesh.corners.emplace_back(first, first + 1, first + 2);
+    }
+    return mesh;
+}
+
+// Copies that lie in each other, some of them in one place, in a room that needs no transform and is as large as all.
+Scene pile_in_a_room(uint64_t seed) {
+    Rng rng(seed);
+    Scene scene;
+    const MeshId pebble = scene.add(ball_of_triangles(60, rng));
+    Mesh walls = ball_of_triangles(400, rng);
+    for (glm::vec3& p : walls.positions) p = 12.0f * p / glm::length(p);
+    const MeshId room = scene.add(std::move(walls));
+    for (int k = 0; k < 40; ++k) {
+        Node node{.mesh = pebble};
+        node.local.translation = k % 4 == 0 ? glm::vec3(0) : test::random_point(rng, 1.0f);
+        node.local.scale = glm::vec3(rng.uniform(0.5f, 2.0f));
+        scene.add(std::move(node));
+    }
+    scene.add(Node{.mesh = pebble});  // It, too, needs no transform.
+    scene.add(Node{.mesh = room});
+    return scene;
+}
+
+TEST(Tlas, APileInARoomIsHitTheSameHoweverItIsPlaced) {
+    for (const uint64_t seed : {430, 431, 432}) {
+        Scene whole = pile_in_a_room(seed);
+        whole.placing = {.has_tight_boxes = false, .most_parts = 0};
+        const Tlas& expected = advance(whole, 0.0);
+        for (const uint32_t most_parts : {0u, 32u, 300u}) {
+            SCOPED_TRACE(::testing::Message() << "seed " << seed << ", most_parts " << most_parts);
+            Scene opened = pile_in_a_room(seed);
+            opened.placing = {.most_parts = most_parts, .least_share = most_parts > 32 ? 0.0f : 1.0f / 1024};
+            const Tlas& actual = advance(opened, 0.0);
+            expect_valid(actual);
+            EXPECT_EQ(actual.parts.size() > actual.instances.size(), most_parts > 0);
+            EXPECT_EQ(random_hits(actual, seed), random_hits(expected, seed));
+        }
+    }
+}
+
 bool is_built_at(Scene* scene, double time_s) {
     FrameStats stats;
     advance(*scene, time_s, &stats);
