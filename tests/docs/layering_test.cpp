@@ -110,7 +110,7 @@ const std::vector<Owner>& owners() {
         {"Highway",
          "hwy/",
          {"engine/bvh/traverse", "engine/bvh/ploc_search", "engine/bvh/cluster_search", "engine/bvh/cluster_tree",
-          "engine/bvh/wide_plan_range", "engine/deform/skin_kernels"}},
+          "engine/bvh/wide_plan_range", "engine/deform/skin_kernels", "engine/deform/stencil_kernels"}},
         {"xxHash", "xxh", {"engine/bvh/hash.cpp"}},
         {"Valgrind", "valgrind/", {"apps/bench/timed_parallel.cpp"}},
         {"CLI11",
