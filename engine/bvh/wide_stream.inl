@@ -11,10 +11,6 @@ namespace HWY_NAMESPACE {
 using RaySet = uint64_t;
 constexpr size_t kStreamSize = 64;
 
-// Sets side by side, one for each child of a node.
-using SetTag = hn::CappedTag<RaySet, kWidth>;
-constexpr size_t kSetLanes = HWY_MAX_BYTES >= 64 ? 8 : HWY_MAX_BYTES >= 32 ? 4 : 2;
-
 // A child to be visited by some of the rays.
 struct StreamEntry {
     uint32_t child;
@@ -57,11 +53,13 @@ template <bool kIsAny, bool kIsInTop>
 HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces, const float* limit, RaySet rays,
                                       StreamEntry* end) {
     const BoxTag d;
-    const SetTag sets;
-    hn::Vec<SetTag> entering[kWidth / kSetLanes];  // The rays that enter each child.
-    for (auto& some : entering) some = hn::Zero(sets);
+    const hn::CappedTag<uint8_t, kStreamSize> bytes;
+    // A byte for each ray, whose bits are the children that it enters.
+    HWY_ALIGN uint8_t entered[kStreamSize];
+    for (size_t k = 0; k < kStreamSize; k += hn::Lanes(bytes)) hn::Store(hn::Zero(bytes), bytes, entered + k);
     hn::Vec<BoxTag> nearest[kWidth / kLanes];
     for (auto& t : nearest) t = hn::Set(d, kInfinity);
+    uint32_t entered_by_any = 0;
     for (; rays != 0; rays &= rays - 1) {
         const int k = std::countr_zero(rays);
         const BoxRay ray(spaces[k], kIsInTop);
@@ -71,17 +69,8 @@ HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces,
             bits |= bits_of(d, t.mask) << (part * kLanes);
             if (!kIsAny) nearest[part] = smaller(hn::IfThenElse(t.mask, t.t, hn::Set(d, kInfinity)), nearest[part]);
         }
-        const auto ray_itself = hn::Set(sets, RaySet{1} << k);
-        for (size_t part = 0; part < kWidth / kSetLanes; ++part) {
-            const uint8_t some[8] = {static_cast<uint8_t>(bits >> (part * kSetLanes))};
-            entering[part] = hn::Or(entering[part], hn::IfThenElseZero(hn::LoadMaskBits(sets, some), ray_itself));
-        }
-    }
-    uint32_t entered_by_any = 0;
-    HWY_ALIGN RaySet entering_slot[kWidth];
-    for (size_t part = 0; part < kWidth / kSetLanes; ++part) {
-        entered_by_any |= bits_of(sets, hn::Ne(entering[part], hn::Zero(sets))) << (part * kSetLanes);
-        hn::Store(entering[part], sets, entering_slot + part * kSetLanes);
+        entered[k] = static_cast<uint8_t>(bits);
+        entered_by_any |= bits;
     }
     HWY_ALIGN uint32_t keys[kWidth];
     if (!kIsAny) {
@@ -91,11 +80,20 @@ HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces,
     StreamEntry* const begin = end;
     for (; entered_by_any != 0; entered_by_any &= entered_by_any - 1) {
         const int slot = std::countr_zero(entered_by_any);
+        RaySet entering = 0;
+        for (size_t k = 0; k < kStreamSize; k += hn::Lanes(bytes)) {
+            const auto is_in = hn::TestBit(hn::Load(bytes, entered + k), hn::Set(bytes, static_cast<uint8_t>(1u << slot)));
+            uint8_t bits[8] = {};
+            hn::StoreMaskBits(bytes, is_in, bits);
+            RaySet some;
+            std::memcpy(&some, bits, sizeof some);
+            entering |= some << k;
+        }
         StreamEntry* at = end++;
         if (!kIsAny) {
             for (; at != begin && at[-1].key <= keys[slot]; --at) *at = at[-1];
         }
-        *at = {node.child[slot], kIsAny ? 0 : keys[slot], entering_slot[slot]};
+        *at = {node.child[slot], kIsAny ? 0 : keys[slot], entering};
     }
     return end;
 }
