@@ -20,7 +20,8 @@ struct LiveRequest {
     std::vector<ClipId> clips;
     bool is_looping = true;
     Shade shade = Shade::kPath;
-    std::optional<NodeId> camera;  ///< Else `look_at`.
+    const Environment* environment = nullptr;  ///< As RenderConfig's.
+    std::optional<NodeId> camera;              ///< Else `look_at`.
     ViewChoice::LookAt look_at;
     int width = 0, height = 0;  ///< Of the picture on the screen.
     bool is_playing = false;    ///< The next request has another time: one pass at a size that keeps up.

@@ -21,8 +21,22 @@ int fail(int exit_code, const std::string& message) {
     return exit_code;
 }
 
-void run(const zoe::Options& options) {
+/// Reads the sky that was asked for.
+void read_sky(zoe::Options& options) {
+    if (!options.sky) return;
+    auto environment = std::make_shared<zoe::Environment>(zoe::read_environment(*options.sky));
+    if (const uint64_t count = environment->repaired_count(); count > 0) {
+        std::fputs(fmt::format("{}: {}: {} pixels with numbers that are no light: brought into range\n", kProgram,
+                               *options.sky, count)
+                       .c_str(),
+                   stderr);
+    }
+    options.environment = std::move(environment);
+}
+
+void run(zoe::Options options) {
     zoe::set_thread_count(options.threads);
+    read_sky(options);
     zoe::Content content = zoe::open_scene(options.scene, options.fps, options.level);
     content.scene.playback.is_looping = options.is_looping;
     content.scene.tree_build.budget_s = options.build_budget_s;

@@ -21,6 +21,7 @@ WindowState first_state(Content& content, const Options& options) {
     WindowState state = make_window_state(options.scene, content.scene, tlas);
     state.fps = options.fps;
     state.shade = options.shade;
+    state.environment = options.environment.get();
     const auto is_chosen = [&](const WindowState::CameraChoice& camera) { return camera.node == choice.camera; };
     const auto camera = std::find_if(state.cameras.begin(), state.cameras.end(), is_chosen);
     if (camera != state.cameras.end()) state.camera = static_cast<int>(camera - state.cameras.begin());

@@ -21,6 +21,7 @@ LiveRequest WindowState::request() const {
     request.clips = clips[clip].clips;
     request.is_looping = is_looping;
     request.shade = shade;
+    request.environment = environment;
     if (camera >= 0) request.camera = cameras[camera].node;
     request.look_at = orbit.look_at();
     request.width = picture_width;
