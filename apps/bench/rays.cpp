@@ -19,7 +19,7 @@ glm::vec2 random_2d(size_t ray, RayKind kind, uint64_t use) {
 }
 
 Ray diffuse_ray(const Surface& surface, const glm::vec2& u) {
-    const glm::vec3 direction = sample_diffuse(surface.ng, surface.ng, u);
+    const glm::vec3 direction = sample_cosine(surface.ng, u);
     return {.origin = leave(surface, direction), .direction = direction};
 }
 

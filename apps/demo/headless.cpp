@@ -15,6 +15,7 @@
 #include "apps/demo/first_view.h"
 #include "engine/render/film.h"
 #include "engine/render/layers.h"
+#include "engine/scene/image_levels.h"
 
 namespace zoe {
 namespace {
@@ -51,6 +52,7 @@ FrameStats make_frame(Content& content, const Options& options, const ViewChoice
     const int spp = options.spp.value_or(kDefaultSpp);
     RenderConfig config;
     config.shade = options.shade;
+    config.environment = options.environment.get();
     config.is_jittered = spp > 1;
     config.cancel = &is_interrupted();
     film->clear();
@@ -220,6 +222,8 @@ void run_headless(Content& content, const Options& options) {
     if (options.stats) write_file(*options.stats, stats_json(run.stats));
     if (options.trace) run.events.write(*options.trace);
     if (!run.stats.frames.empty()) print_stages(run.stats);
+    const uint64_t bytes = byte_count(content.scene.images);
+    if (bytes > 0) fmt::print("images: {:.1f} MiB with their coarser levels\n", static_cast<double>(bytes) / (1 << 20));
 }
 
 }  // namespace zoe

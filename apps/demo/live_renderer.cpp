@@ -178,6 +178,7 @@ bool LiveRenderer::pass(const LiveRequest& request) {
 
     RenderConfig config;
     config.shade = request.shade;
+    config.environment = request.environment;
     config.cancel = &cancel_;
     pass_stats_ = frame_stats_;
     const auto begin = std::chrono::steady_clock::now();

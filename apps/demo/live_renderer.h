@@ -25,7 +25,8 @@ struct LiveRequest {
     bool is_looping = true;
     Shade shade = Shade::kPath;
     Grade grade;
-    std::optional<NodeId> camera;  ///< Else `look_at`.
+    const Environment* environment = nullptr;  ///< As RenderConfig's.
+    std::optional<NodeId> camera;              ///< Else `look_at`.
     ViewChoice::LookAt look_at;
     int width = 0, height = 0;                       ///< Of the picture on the screen.
     std::optional<NodeId> picked;                    ///< Outlined and reported.

@@ -22,6 +22,19 @@ int fail(int exit_code, const std::string& message) {
     return exit_code;
 }
 
+/// Reads the sky that was asked for.
+void read_sky(zoe::Options& options) {
+    if (!options.sky) return;
+    auto environment = std::make_shared<zoe::Environment>(zoe::read_environment(*options.sky));
+    if (const uint64_t count = environment->repaired_count(); count > 0) {
+        std::fputs(fmt::format("{}: {}: {} pixels with numbers that are no light: brought into range\n", kProgram,
+                               *options.sky, count)
+                       .c_str(),
+                   stderr);
+    }
+    options.environment = std::move(environment);
+}
+
 zoe::Content open(const zoe::Options& options) {
     zoe::Content content = zoe::open_scene(options.scene, options.fps, options.level);
     content.scene.playback.is_looping = options.is_looping;
@@ -60,8 +73,9 @@ void run_windows(zoe::GlWindow& window, zoe::Content& content, zoe::Options opti
     }
 }
 
-void run(const zoe::Options& options) {
+void run(zoe::Options options) {
     zoe::set_thread_count(options.threads);
+    read_sky(options);
     if (options.screenshot) zoe::require_writable(*options.screenshot);
     zoe::Content content = open(options);
     std::vector<std::string> printed;

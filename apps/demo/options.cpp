@@ -81,6 +81,10 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
                    "path: lit; albedo: colours; normal; motion: the classes; cost: work of each pixel")
         ->type_name("path|albedo|normal|motion|cost")
         ->group(seen);
+    app.add_option("--sky", options.sky,
+                   "A picture of all directions (.hdr, .exr) that lights the scene, instead of sun and sky")
+        ->type_name("FILE")
+        ->group(seen);
     app.add_option("--size", texts.size, "Of the picture (640x360) or the window (1280x720)")->type_name("WxH")->group(seen);
     app.add_option("--spp", options.spp,
                    "Samples a pixel (8; in the window, when to stop refining); 1: through pixel centres")

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "apps/common/numbered_path.h"
 #include "apps/common/parse.h"
 #include "engine/bvh/cache.h"
+#include "engine/render/environment.h"
 #include "engine/render/path.h"
 
 namespace zoe {
@@ -33,6 +35,8 @@ struct Options {
     std::optional<int> spp;
     Shade shade = Shade::kPath;
     Grade grade;
+    std::optional<std::string> sky;                  ///< A file that lights the scene ...
+    std::shared_ptr<const Environment> environment;  ///< ... and what it holds, once it was read.
 
     NumberedPath out{"out/frame_%04d.png"};
     std::optional<std::string> stats, trace;  ///< Files to write.

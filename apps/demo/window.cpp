@@ -26,6 +26,7 @@ WindowState first_state(Content& content, const Options& options) {
     state.fps = options.fps;
     state.shade = options.shade;
     state.grade = options.grade;
+    state.environment = options.environment.get();
     const auto is_chosen = [&](const WindowState::CameraChoice& camera) { return camera.node == choice.camera; };
     const auto camera = std::find_if(state.cameras.begin(), state.cameras.end(), is_chosen);
     if (camera != state.cameras.end()) state.camera = static_cast<int>(camera - state.cameras.begin());

@@ -22,6 +22,7 @@ LiveRequest WindowState::request() const {
     request.is_looping = is_looping;
     request.shade = shade;
     request.grade = grade;
+    request.environment = environment;
     if (camera >= 0) request.camera = cameras[camera].node;
     request.look_at = orbit.look_at();
     request.width = picture_width;

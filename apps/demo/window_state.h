@@ -34,6 +34,7 @@ struct WindowState {
     Orbit orbit, first_orbit;
     Shade shade = Shade::kPath;
     Grade grade;
+    const Environment* environment = nullptr;
     double time_s = 0.0;
     bool is_playing = true, is_looping = true, is_help_shown = false, is_closing = false;
     int picture_width = 0, picture_height = 0;  ///< Of the place for it in the window.

@@ -5,7 +5,6 @@
 
 #include <glm/common.hpp>
 
-#include "engine/render/dielectric.h"
 #include "engine/render/microfacet.h"
 
 namespace zoe {
@@ -58,16 +57,16 @@ Bsdf::Bsdf(const Surface& surface, const glm::vec3& to_viewer)
     const float cosine = frame_.viewer.z;
     float reflected = 0.0f;
     if (has_facets_) {
-        const Dielectric dielectric(surface);
         const Albedo at = ggx_albedo(cosine, surface.roughness), mean = mean_ggx_albedo(surface.roughness);
-        f0_ = glm::mix(dielectric.f0, surface.base_color, surface.metallic);
-        f90_ = glm::mix(dielectric.f90, 1.0f, surface.metallic);
-        between_ =
-            glm::mix(dielectric.between(mean), Dielectric::between_facets(surface.base_color, 1.0f, mean), surface.metallic);
+        dielectric_ = Dielectric(surface, mean);
+        hidden_ = ggx_hidden(frame_.viewer, alpha_);
+        f0_ = glm::mix(dielectric_.f0, surface.base_color, surface.metallic);
+        f90_ = glm::mix(dielectric_.f90, 1.0f, surface.metallic);
+        between_ = glm::mix(dielectric_.between, between_facets(surface.base_color, 1.0f, mean), surface.metallic);
         lost_ = 1.0f - at.all;
         mean_lost_ = std::max(1.0f - mean.all, 1e-6f);
-        under_ = dielectric.goes_under(at, mean);
-        mean_under_ = std::max(dielectric.goes_under(mean, mean), 1e-6f);
+        under_ = dielectric_.goes_under(at);
+        mean_under_ = std::max(dielectric_.goes_under(mean), 1e-6f);
         reflected = largest(f0_ * (at.all - at.edge) + f90_ * at.edge);
     }
     const glm::vec3 under = surface.base_color * (1.0f - surface.metallic);
@@ -93,14 +92,6 @@ float Bsdf::under_layers(float reflected, float also_reflected) const {
     return std::max(0.0f, 1.0f - std::max(reflected, also_reflected));
 }
 
-/// Single reflections of the base.
-glm::vec3 Bsdf::facets(const glm::vec3& to_light, const glm::vec3& half) const {
-    const float edge = schlick_share(glm::dot(frame_.viewer, half));
-    const float common =
-        ggx_density(half, alpha_) * ggx_seen_by_both(frame_.viewer, to_light, alpha_) / (4.0f * frame_.viewer.z);
-    return (f0_ + (f90_ - f0_) * edge) * common;
-}
-
 Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
     Value result;
     const glm::vec3 light = frame_.to_local(to_light);
@@ -109,8 +100,8 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
         result.density = share_[kDiffuse] * diffuse_density;
         glm::vec3 color = diffuse_;
         if (has_facets_) {
-            const Albedo at = ggx_albedo(light.z, surface_.roughness), mean = mean_ggx_albedo(surface_.roughness);
-            color *= under_ * Dielectric(surface_).goes_under(at, mean) / mean_under_;
+            const Albedo at = ggx_albedo(light.z, surface_.roughness);
+            color *= under_ * dielectric_.goes_under(at) / mean_under_;
             color += between_ * (lost_ * (1.0f - at.all) / mean_lost_);
         }
         result.value = color * diffuse_density;
@@ -118,9 +109,10 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
         const float length = glm::length(sum);
         if (has_facets_ && length > 0.0f) {
             const glm::vec3 half = sum / length;
-            result.value += facets(light, half);
-            result.density +=
-                share_[kFacets] * ggx_density(half, alpha_) * ggx_seen(frame_.viewer, alpha_) / (4.0f * frame_.viewer.z);
+            const float density = ggx_density(half, alpha_) / (4.0f * frame_.viewer.z);
+            const glm::vec3 reflected = f0_ + (f90_ - f0_) * schlick_share(glm::dot(frame_.viewer, half));
+            result.value += reflected * (density / (1.0f + hidden_ + ggx_hidden(light, alpha_)));
+            result.density += share_[kFacets] * density / (1.0f + hidden_);
         }
         if (sheen_ > 0.0f && frame_.viewer.z > 0.0f) {
             const float also = largest(surface_.sheen_color) * sheen_albedo(light.z, surface_.sheen_roughness);
@@ -170,9 +162,7 @@ std::optional<Bsdf::Sample> Bsdf::sample(const glm::vec2& u, float pick) const {
 
     Sample sample;
     if (lobe == kDiffuse) {
-        const float radius = std::sqrt(u.x), angle = glm::two_pi<float>() * u.y;
-        const glm::vec3 local(radius * std::cos(angle), radius * std::sin(angle), std::sqrt(1.0f - u.x));
-        sample.direction = glm::normalize(frame_.to_world(local));
+        sample.direction = sample_cosine(frame_.z, u);
     } else {
         const Frame& frame = lobe == kCoat ? coat_frame_ : frame_;
         const glm::vec3 half = sample_seen_normal(frame.viewer, lobe == kCoat ? coat_alpha_ : alpha_, u);
@@ -228,7 +218,8 @@ glm::vec3 passes_straight(const Surface& surface, const glm::vec3& to_viewer) {
     glm::vec3 passes = surface.base_color * ((1.0f - surface.metallic) * surface.transmission);
     const float cosine = std::max(glm::dot(surface.ns, to_viewer), kLeastCosine);
     if (has_facets(surface)) {
-        passes *= Dielectric(surface).goes_under(ggx_albedo(cosine, surface.roughness), mean_ggx_albedo(surface.roughness));
+        const Dielectric dielectric(surface, mean_ggx_albedo(surface.roughness));
+        passes *= dielectric.goes_under(ggx_albedo(cosine, surface.roughness));
     }
     if (largest(surface.sheen_color) > 0.0f)
         passes *= 1.0f - largest(surface.sheen_color) * sheen_albedo(cosine, surface.sheen_roughness);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <glm/geometric.hpp>
@@ -7,6 +9,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/render/dielectric.h"
+#include "engine/render/direction.h"
 #include "engine/render/surface.h"
 
 namespace zoe {
@@ -66,7 +70,6 @@ private:
     enum Lobe { kDiffuse, kFacets, kCoat, kThrough, kLobeCount };
 
     Value evaluate_unfolded(const glm::vec3& to_light) const;
-    glm::vec3 facets(const glm::vec3& to_light, const glm::vec3& half) const;
     Sample refract(const glm::vec2& u) const;
     std::optional<Sample> cross_from_inside(const glm::vec2& u, float pick) const;
     float under_layers(float reflected, float also_reflected) const;
@@ -77,7 +80,9 @@ private:
     float total_weight_ = 0.0f;
     float share_[kLobeCount] = {};  // of samples
     bool has_facets_ = false;       // else the surface is diffuse only
-    glm::vec3 f0_{0.0f};            // of metal and dielectric together
+    Dielectric dielectric_;
+    float hidden_ = 0.0f;  // of its facets, from the viewer; see ggx_hidden
+    glm::vec3 f0_{0.0f};   // of metal and dielectric together
     float f90_ = 0.0f;
     glm::vec3 between_{0.0f};                  // what facets send from one to the other, of what a perfect mirror's would
     float lost_ = 0.0f, mean_lost_ = 1.0f;     // of a perfect mirror's facets towards the viewer; from everywhere
@@ -85,6 +90,29 @@ private:
     float sheen_ = 0.0f, coat_ = 0.0f;         // reflected towards the viewer
     glm::vec3 diffuse_{0.0f}, through_{0.0f};  // colours under the surface
 };
+
+/// A unit direction around a unit normal, with the density cosine / pi.
+/// u          two numbers in [0, 1).
+inline glm::vec3 sample_cosine(const glm::vec3& normal, const glm::vec2& u) {
+    glm::vec3 tangent, bitangent;
+    make_frame(normal, &tangent, &bitangent);
+    const float radius = std::sqrt(u.x);
+    const float angle = glm::two_pi<float>() * u.y;
+    return glm::normalize(radius * std::cos(angle) * tangent + radius * std::sin(angle) * bitangent +
+                          std::sqrt(1.0f - u.x) * normal);
+}
+
+/// What is left of light from a point, or from a small disc, where the shading normal still faces it and the geometric one
+/// nearly does not: the edge of a triangle's own shadow fades instead of showing the triangle. 1 where both normals agree.
+/// Source     Chiang, Li, Burley. Taming the Shadow Terminator. SIGGRAPH Talks 2019. Deviation: light from all around, which
+///            draws no such edge, stays whole.
+inline float past_terminator(const Surface& surface, const glm::vec3& to_light) {
+    const float smooth = glm::dot(surface.ns, to_light) * glm::dot(surface.ng, surface.ns);
+    const float share = glm::dot(surface.ng, to_light);
+    if (surface.ns == surface.ng || !(smooth > share)) return 1.0f;
+    const float g = std::max(share / smooth, 0.0f);
+    return g * (1.0f + g - g * g);
+}
 
 /// The share of light from straight behind that a thin sheet lets pass, by colour: KHR_materials_transmission without a
 /// volume.

@@ -227,7 +227,7 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     if (cone.width > 0.0f || cone.spread > 0.0f) {
         const float length = glm::length(ray.direction);
         const float slant = std::abs(glm::dot(corners.normal, ray.direction)) / length;
-        width = (cone.width + cone.spread * hit.t * length) / std::max(slant, kLeastSlant);
+        width = (cone.width + cone.spread * hit.t * length) / std::sqrt(std::max(slant, kLeastSlant));
     }
     const Lookup lookup(scene, instance, corners, width);
 

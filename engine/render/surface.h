@@ -38,7 +38,8 @@ struct Surface {
 
 /// How wide a ray is: what it stands for among the rays of its pixel.
 /// Source     Akenine-Moeller, Crassin, Boksansky, Belcour, Panteleev, Wright. Improved Shader and Texture Level of Detail
-///            Using Ray Cones. JCGT 2021. Deviation: curvature does not widen it.
+///            Using Ray Cones. JCGT 2021. Deviation: curvature does not widen it; a slanted
+///            surface's ellipse counts as the circle of its area, since a pixel's samples spread along it.
 struct RayCone {
     float width = 0.0f;   ///< Where the ray starts, metres.
     float spread = 0.0f;  ///< What it gains a metre.

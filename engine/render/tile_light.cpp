@@ -27,7 +27,7 @@ void TileTracer::add_sun(const Surface& surface, const Bsdf& bsdf, uint32_t path
     const Bsdf::Value scattered = bsdf.evaluate(toward);
     const float weight = is_last(bounce) ? 1.0f : weight_of(sun_density(), scattered.density);
     add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index,
-               irradiance * scattered.value * weight);
+               irradiance * scattered.value * (weight * past_terminator(surface, toward)));
 }
 
 /// Looks for light of an environment where it is bright. Only where a bounce may find it, too.
@@ -50,7 +50,9 @@ void TileTracer::add_punctual_light(const Surface& surface, const Bsdf& bsdf, ui
     const auto brings = [&](const PunctualLight& light, glm::vec3* toward) {
         const Illumination at = illuminate(light, surface.position);
         *toward = at.toward;
-        return at.irradiance == glm::vec3(0.0f) ? glm::vec3(0.0f) : at.irradiance * bsdf.evaluate(at.toward).value;
+        return at.irradiance == glm::vec3(0.0f)
+                   ? glm::vec3(0.0f)
+                   : at.irradiance * bsdf.evaluate(at.toward).value * past_terminator(surface, at.toward);
     };
     glm::vec3 toward;
     float total = 0.0f;

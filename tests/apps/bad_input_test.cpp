@@ -155,6 +155,15 @@ TEST(BadScene, SceneThatIsHiddenByZeroScalePlays) {
     EXPECT_TRUE(std::filesystem::exists(folder / "out/frame_0000.png"));
 }
 
+TEST(BadSky, WhatIsNoPictureIsRefused) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    folder.write("text.exr", "no picture at all");
+    for (const char* const sky : {"nowhere.hdr", "text.exr"}) {
+        expect_refused(folder, with({"scene.gltf", "--sky", sky}, kQuick), 1, sky);
+    }
+}
+
 TEST(BadOutput, FolderInAPicturesPlaceIsRefusedBeforeTheWork) {
     const TempFolder folder;
     write_small_scene(folder);

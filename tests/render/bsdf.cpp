@@ -242,5 +242,29 @@ TEST(Bsdf, AThinSheetReflectsWhatItDoesNotLetPass) {
     }
 }
 
+TEST(Bsdf, LightFadesSteadilyTowardsATrianglesOwnHorizon) {
+    const uint64_t seed = 8;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    for (int round = 0; round < 200; ++round) {
+        Surface surface = white(0.0f, 1.0f);
+        EXPECT_EQ(past_terminator(surface, random_direction(rng)), 1.0f);
+        surface.ns = glm::normalize(glm::vec3(rng.uniform(-0.8f, 0.8f), rng.uniform(-0.8f, 0.8f), 1.0f));
+        // From the horizon to the geometric normal, on the side that the shading normal leans to.
+        const glm::vec3 side = glm::normalize(glm::vec3(surface.ns.x, surface.ns.y, 0.0f));
+        float last = 0.0f;
+        EXPECT_NEAR(past_terminator(surface, side), 0.0f, 1e-6f);
+        for (int i = 1; i <= 100; ++i) {
+            const float angle = static_cast<float>(i) * 0.01f * glm::half_pi<float>();
+            const float left = past_terminator(surface, std::cos(angle) * side + std::sin(angle) * surface.ng);
+            EXPECT_GE(left, last - 1e-5f);
+            EXPECT_LE(left, 1.0f);
+            EXPECT_LE(left - last, 0.2f) << "a step";
+            last = left;
+        }
+        EXPECT_NEAR(last, 1.0f, 1e-5f);
+    }
+}
+
 }  // namespace
 }  // namespace zoe::test

@@ -9,6 +9,7 @@
 #include "engine/math/rng.h"
 #include "engine/scene/image.h"
 #include "tests/render/scenes.h"
+#include "tests/support/temp_folder.h"
 
 namespace zoe::test {
 namespace {
@@ -115,6 +116,28 @@ TEST(Environment, LightsAFloorAsItsHemisphereDoes) {
     for (int c = 0; c < 3; ++c) {
         const double expected = 0.5 * irradiance[c] / glm::pi<double>();
         EXPECT_NEAR(static_cast<double>(mean[c]), expected, 0.01 * expected);
+    }
+}
+
+TEST(Environment, IsReadFromAFileOrRefusedWithItsName) {
+    const TempFolder folder;
+    const std::vector<float> red = {1, 2, 3, 4, 5, 6, 7, 8}, green(8, 0.5f), blue(8, 40.0f);
+    const Channel channels[] = {{"R", red}, {"G", green}, {"B", blue}};
+    write_exr(folder / "sky.exr", 4, 2, channels);
+    const Environment sky = read_environment(folder / "sky.exr");
+    EXPECT_NEAR(sky.radiance(glm::normalize(glm::vec3(1, 1, -1))).b, 40.0f, 1e-4f);
+    EXPECT_NEAR(sky.radiance({0, 1, 0}).r, 2.5f, 1e-4f);
+    EXPECT_EQ(sky.repaired_count(), 0u);
+
+    const Channel others[] = {{"U", red}, {"V", green}, {"W", blue}};
+    write_exr(folder / "no_sky.exr", 4, 2, others);
+    for (const char* const name : {"no_sky.exr", "nowhere.exr"}) {
+        try {
+            read_environment(folder / name);
+            FAIL() << name;
+        } catch (const std::runtime_error& error) {
+            EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+        }
     }
 }
 

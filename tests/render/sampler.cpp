@@ -12,7 +12,7 @@ TEST(Sampler, EveryAlignedRunOfSamplesHasOnePointInEachBoxOfEveryShape) {
     Rng rng(1);
     for (int round = 0; round < 40; ++round) {
         const uint32_t pixel = static_cast<uint32_t>(rng.next());
-        const uint64_t which = dimension(static_cast<Use>(rng.below(6)), rng.below(5), rng.below(3));
+        const uint64_t which = dimension(static_cast<Use>(rng.below(10)), rng.below(5), rng.below(3));
         const uint32_t bits = rng.below(9);
         const uint32_t count = 1u << bits;
         const uint32_t first = rng.below(8) * count;
