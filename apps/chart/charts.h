@@ -13,6 +13,7 @@ namespace zoe::chart {
 Chart tlas(Sweep& sweep);
 Chart builders(Sweep& sweep);
 Chart bins(Sweep& sweep);
+Chart knobs(Sweep& sweep);
 Chart pays_off(Sweep& sweep);
 Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);
