@@ -15,6 +15,7 @@ constexpr std::array kCharts = {
     ChartInfo{"placing", "What do tight boxes and opened instances cost, and what do they save rays?", placing},
     ChartInfo{"builders", "What does a better tree of triangles cost, and how much faster are its rays?", builders},
     ChartInfo{"bins", "How many bins does a tree need that is rebuilt every frame?", bins},
+    ChartInfo{"knobs", "What do the builders' other settings give, and what do they take?", knobs},
     ChartInfo{"pays-off", "After how many rays has a better tree earned its build?", pays_off},
     ChartInfo{"triangle", "What does a triangle test cost that misses no edge, and how exact is its t?", triangle},
     ChartInfo{"far", "How far from the origin do rays still hit what they should?", far},

@@ -14,6 +14,7 @@ Chart tlas(Sweep& sweep);
 Chart placing(Sweep& sweep);
 Chart builders(Sweep& sweep);
 Chart bins(Sweep& sweep);
+Chart knobs(Sweep& sweep);
 Chart pays_off(Sweep& sweep);
 Chart triangle(Sweep& sweep);
 Chart far(Sweep& sweep);

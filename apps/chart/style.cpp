@@ -36,6 +36,17 @@ constexpr std::array kStyles = {
     Style{"sweep", kSkyBlue, kTriangle, true},
     Style{"reinserted", kGreen, kCircle, true},
     Style{"SBVH", kPurple, kDiamond, true},
+    // Their settings.
+    Style{"rounds", kBlue, kCircle, true},
+    Style{"share of nodes", kOrange, kOpenSquare, true},
+    Style{"visits a search", kGreen, kTriangle, true},
+    Style{"least gain", kPurple, kDiamond, true},
+    Style{"references", kVermilion, kDownward, true},
+    Style{"overlap", kSkyBlue, kOpenCircle, true},
+    Style{"spatial bins", kBlack, kOpenTriangle, true},
+    Style{"leaf size", kGrey, kSquare, true},
+    Style{"node cost", kBlack, kCross, true},
+    Style{"leaf blocks", kVermilion, kPentagon, true},
     // Clustering.
     Style{"exact", kBlue, kPentagon, true},
     Style{"fast (radius 2)", kVermilion, kOpenTriangle, true},

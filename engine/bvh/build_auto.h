@@ -5,7 +5,7 @@
 namespace zoe {
 
 struct AutoConfig {
-    double rays = 1e12;      ///< That will go through the trees before they are built anew.
+    double rays = 1e12;      ///< That will go through the trees before they are built anew. Chart `pays-off`.
     double budget_s = 30.0;  ///< What building them may take.
 };
 

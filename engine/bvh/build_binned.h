@@ -9,7 +9,7 @@ namespace zoe {
 
 /// Unless told, boxes are tested one by one; `build_blas` sets what suits triangles in blocks, and says why (blas.cpp).
 struct BinnedConfig {
-    int bin_count = 16;      ///< 2 to 64; small nodes take fewer.
+    int bin_count = 16;      ///< 2 to 64; small nodes take fewer. Chart `bins`; of what follows, chart `knobs`.
     int max_leaf_size = 8;   ///< A leaf with more primitives is split even where that does not pay.
     int block_size = 1;      ///< Triangles tested at once, a power of two: a leaf costs its blocks, and one is never split.
     float node_cost = 1.0f;  ///< Cost of visiting a node, in units of testing a block.

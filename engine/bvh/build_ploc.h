@@ -6,7 +6,7 @@
 namespace zoe {
 
 struct PlocConfig {
-    uint32_t search_radius = 8;  ///< Clusters on either side that a cluster looks for its partner among, at least 1.
+    uint32_t search_radius = 8;  ///< Clusters on either side that one looks for its partner among, at least 1. Chart `tlas`.
 };
 
 /// Memory that one build hands to the next.

@@ -5,6 +5,7 @@
 namespace zoe {
 
 /// Unless told, triangles are tested one by one; `build_blas` sets what suits blocks of them, and says why (blas.cpp).
+/// Chart `knobs`.
 struct SbvhConfig {
     float max_reference_growth = 1.3f;  ///< Leaves hold at most this many times as many references as primitives; >= 1.
     float min_overlap = 1e-4f;  ///< Spatial splits are tried where children overlap by more than this, of the root's area.

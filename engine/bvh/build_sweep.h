@@ -4,6 +4,7 @@
 
 namespace zoe {
 
+/// Chart `knobs`.
 struct SweepConfig {
     int max_leaf_size = 8;   ///< A leaf with more primitives is split even where that does not pay.
     int block_size = 1;      ///< Triangles tested at once, a power of two: a leaf costs its blocks, and one is never split.

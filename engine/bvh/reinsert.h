@@ -4,6 +4,7 @@
 
 namespace zoe {
 
+/// Chart `knobs`.
 struct ReinsertConfig {
     int max_rounds = 8;            ///< Rounds of search; it ends before where one gains next to nothing.
     float candidate_share = 1.0f;  ///< Of the nodes, those of largest area, that are tried a round.

@@ -63,7 +63,7 @@ struct WideBvh {
 
 struct CollapseConfig {
     uint32_t block_size = 4;       ///< Primitives that are tested together.
-    uint32_t max_leaf_blocks = 4;  ///< 1 to 16.
+    uint32_t max_leaf_blocks = 4;  ///< 1 to 16. Chart `knobs`.
     float block_cost = 0.7f;       ///< Cost of testing a block, in units of testing a node's eight boxes.
     bool has_duplicates = false;   ///< A primitive may stand in several binary leaves; those that are joined keep it once.
 };

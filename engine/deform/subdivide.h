@@ -22,7 +22,7 @@ struct Subdivision {
 };
 
 struct SubdivisionOptions {
-    int level = 2;  ///< Rounds of refinement; a quad gives 2 * 4^level triangles.
+    int level = 2;  ///< Rounds of refinement; a quad gives 2 * 4^level triangles. Chart `subdivision`.
     /// Vertices lie on the limit surface, instead of where `level` rounds leave them. Sharpness that `level` rounds leave
     /// above 0 then counts as infinite, and where a crease ends inside of the surface the limit is an approximation.
     bool limit_positions = true;

@@ -19,7 +19,7 @@ std::optional<Shade> shade_from_name(std::string_view name);
 
 struct RenderConfig {
     Shade shade = Shade::kPath;
-    int max_bounces = 4;                        ///< After the first hit.
+    int max_bounces = 4;                        ///< After the first hit. Chart `picture`.
     float sun_strength = 1.0f;                  ///< Times the default sun; 0 for none.
     float sky_strength = 1.0f;                  ///< Times the default sky; 0 for a black one.
     std::optional<glm::vec3> uniform_sky;       ///< Radiance of a sky of one colour, and no sun: a furnace.

@@ -147,7 +147,7 @@ public:
     ClusterConfig tlas_build;  ///< How the top level is built in the frames from now on that need a new one.
     PlacingConfig placing;     ///< How instances stand in it; looked at where they move.
     /// Poses of the clips that play, at most, that trees of deforming nodes are first built over: 1 for the first frame's
-    /// alone. Looked at when the first frame is made.
+    /// alone. Looked at when the first frame is made. Chart `clip`.
     uint32_t clip_poses = 8;
     RebuildConfig rebuild;  ///< When trees of deforming nodes are rebuilt, and not refitted any more.
 

@@ -134,29 +134,6 @@ TEST(Charts, MoreBinsAreNeverWorseInTheMean) {
     }
 }
 
-/// What the default gives away beside the dearest choice.
-TEST(Charts, DefaultsAreWithinFivePercentOfTheBestThatTheirKnobsGive) {
-    Rng rng(9);
-    PlocScratch scratch;
-    for (const size_t count : {300u, 3000u, 20'000u}) {
-        const std::vector<Aabb> boxes = scattered_boxes(count, rng);
-        const auto cost = [&](uint32_t radius) {
-            return sah_cost(build_ploc(boxes, {.search_radius = radius}, {}, &scratch));
-        };
-        EXPECT_LE(cost(ClusterConfig{}.search_radius), 1.05 * cost(64)) << count << " boxes, seed 9";
-    }
-    for (const char* const scene : {"static-30000", "deforming-60", "arbitrary-10000"}) {
-        const MeshSample sample = sample_mesh({.scene = scene, .motion = Motion::kStatic, .side = 8});
-        const auto cost = [&](int bin_count) {
-            Blas blas;
-            BlasScratch blas_scratch;
-            binned(bin_count).build(sample.mesh, &blas, &blas_scratch);
-            return sah_cost(blas.tree, 1.0f);
-        };
-        EXPECT_LE(cost(blas_binned_config().bin_count), 1.05 * cost(64)) << scene;
-    }
-}
-
 TEST(Charts, BinnedWithTheDefaultBinsIsTheEnginesOwn) {
     const MeshSample sample = sample_mesh(mesh_subjects({.size = Size::kTiny})[0]);
     Blas ours, engines;

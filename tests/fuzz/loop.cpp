@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include "tests/fuzz/files.h"
@@ -20,7 +21,7 @@
 namespace zoe::test {
 namespace {
 
-constexpr unsigned kMostSeconds = 30;
+constexpr time_t kMostSeconds = 30;  // Of processor time: whoever waits for a busy or paused machine does not hang.
 // A scene of a few kilobytes takes up to 2^22 numbers, some of them several times; a sanitizer keeps what was freed.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr long kMostKilobytes = 3 << 19;
@@ -54,7 +55,7 @@ void keep_and_die(int signal) {
 class Watch {
 public:
     Watch() {
-        for (const int signal : {SIGALRM, SIGABRT}) std::signal(signal, keep_and_die);
+        for (const int signal : {SIGPROF, SIGABRT}) std::signal(signal, keep_and_die);
 #if defined(__SANITIZE_ADDRESS__)
         __sanitizer_set_death_callback(keep_input);
 #else
@@ -62,9 +63,9 @@ public:
 #endif
     }
     ~Watch() {
-        alarm(0);
+        limit_time(0);
         running_input = nullptr;
-        for (const int signal : {SIGALRM, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
+        for (const int signal : {SIGPROF, SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) std::signal(signal, SIG_DFL);
     }
     Watch(const Watch&) = delete;
     Watch& operator=(const Watch&) = delete;
@@ -72,10 +73,17 @@ public:
     void begin(const std::string& input, const std::string& file) {
         std::snprintf(running_file, sizeof running_file, "%s", file.c_str());
         running_input = &input;
-        alarm(kMostSeconds);
+        limit_time(kMostSeconds);
     }
     static void keep() {
         keep_input();
+    }
+
+private:
+    /// 0: no limit any more.
+    static void limit_time(time_t seconds) {
+        const itimerval once{.it_interval = {}, .it_value = {.tv_sec = seconds, .tv_usec = 0}};
+        setitimer(ITIMER_PROF, &once, nullptr);
     }
 };
 

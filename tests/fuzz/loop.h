@@ -26,8 +26,8 @@ struct FuzzCounts {
 std::string fuzz_input(const FuzzTarget& target, uint64_t round);
 
 /// Runs rounds [begin, end) one after another, in this process. Of a promise that is not kept, a crash, a sanitizer's
-/// report, a round of more than 30 s, or one that takes more than the limit on memory, the input is kept as
-/// `fuzz-NAME-ROUND` in the folder for temporary files, and named on stderr.
+/// report, a round of more than 30 s of processor time, or one that takes more than the limit on memory, the input is kept
+/// as `fuzz-NAME-ROUND` in the folder for temporary files, and named on stderr.
 FuzzCounts run_rounds(const FuzzTarget& target, uint64_t begin, uint64_t end);
 
 }  // namespace zoe::test
