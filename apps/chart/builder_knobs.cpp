@@ -97,6 +97,8 @@ std::vector<Knob> builder_knobs() {
     add(binned, "node cost", blas_binned_config(), &BinnedConfig::node_cost, {0.25f, 0.5f, 1.0f, 2.0f}, &knobs);
     const CollapseConfig wide{.block_size = TriangleBlock::kSize};
     add("Wide nodes of binned trees", "leaf blocks", wide, &CollapseConfig::max_leaf_blocks, {1u, 2u, 4u, 8u, 16u}, &knobs);
+    add("Wide nodes of binned trees", "block cost", wide, &CollapseConfig::block_cost, {0.35f, 0.5f, 0.7f, 1.0f, 1.4f},
+        &knobs);
     return knobs;
 }
 

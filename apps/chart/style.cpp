@@ -47,6 +47,7 @@ constexpr std::array kStyles = {
     Style{"leaf size", kGrey, kSquare, true},
     Style{"node cost", kBlack, kCross, true},
     Style{"leaf blocks", kVermilion, kPentagon, true},
+    Style{"block cost", kSkyBlue, kSquare, true},
     // Clustering.
     Style{"exact", kBlue, kPentagon, true},
     Style{"fast (radius 2)", kVermilion, kOpenTriangle, true},

@@ -4,7 +4,7 @@
 
 namespace zoe {
 
-/// How instances stand in the top level. Nothing of it changes a hit.
+/// How instances stand in the top level. Nothing of it changes a hit. Chart `placing`.
 struct PlacingConfig {
     bool has_tight_boxes = true;  ///< Around what a mesh reaches, however it is turned; else around its turned box.
     /// Instances that need no transform may stand in the top level as their trees' parts, the largest first.
