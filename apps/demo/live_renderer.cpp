@@ -112,7 +112,7 @@ void LiveRenderer::work() {
             is_refining_ = !is_restart(request);
             cancel_ = false;
         }
-        const bool restarts = is_restart(request), has_pass = restarts || can_refine(request);
+        const bool restarts = is_restart(request), has_pass = restarts || can_refine(request) || film_.sample_count == 0;
         if (restarts) advance_if_needed(request);
         if (has_pass && (restarts || divisor_ > 1)) start_film(request, restarts);
         shown_ = request;

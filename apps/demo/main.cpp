@@ -59,7 +59,10 @@ void run_windows(zoe::GlWindow& window, zoe::Content& content, zoe::Options opti
         next.begins_at_eye = false;
         next.level.reset();
         try {
-            content = open(next);
+            zoe::Content other = open(next);
+            zoe::advance(other, 0.0, nullptr);  // What it cannot show is found out before the last scene is gone.
+            content = std::move(other);
+            content.scene.touch();
             options = next;
             message.clear();
             std::vector<std::string> printed;

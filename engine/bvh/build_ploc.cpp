@@ -85,7 +85,7 @@ private:
             for (uint32_t k = 0; k < front_; ++k) set(&clusters, k, kNothing, kNoCluster, 0);
         }
         scratch_.mates.resize(box_count_);
-        scratch_.parts.resize(part_count());
+        if (scratch_.parts.size() < part_count()) scratch_.parts.resize(part_count());
         scratch_.unions.resize(box_count_ - 1);
         scratch_.places.resize(box_count_ - 1);
         scratch_.round_ends.clear();

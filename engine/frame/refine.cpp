@@ -1,6 +1,7 @@
 #include "engine/frame/refine.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -122,11 +123,15 @@ void make_missing(const Scene& scene, FrameState* state, FrameStats* stats) {
         if (is_new) missing.push_back(&*found);
     }
     stats->subdivided += static_cast<uint32_t>(missing.size());
+    // A mesh of its own, wherever in memory it comes to lie.
+    static std::atomic<uint64_t> refined_count{0};
+    const uint64_t first_version = refined_count.fetch_add(missing.size()) + 1;
     try {
         parallel_for(0, missing.size(), 1, [&](size_t begin, size_t end) {
             for (size_t k = begin; k < end; ++k) {
                 const SurfaceLevel& of = missing[k]->first;
                 missing[k]->second = std::make_unique<Refined>(make_refined(scene[of.mesh], of.level));
+                missing[k]->second->mesh.version = first_version + k;
             }
         });
     } catch (const std::runtime_error& error) {

@@ -9,6 +9,7 @@
 
 #include "engine/render/direction.h"
 #include "engine/scene/image.h"
+#include "engine/scene/srgb.h"
 
 namespace zoe {
 
@@ -55,7 +56,8 @@ Environment::Environment(const FloatImage& picture) : width_(picture.width), hei
     for (size_t i = 0; i < pixel_count; ++i) {
         bool is_repaired = false;
         for (int c = 0; c < 3; ++c) {
-            const float value = picture.values[i * stride + static_cast<size_t>(channel[c])];
+            float value = picture.values[i * stride + static_cast<size_t>(channel[c])];
+            if (picture.is_encoded) value = linear_from_srgb(value);
             const float inside = value > 0.0f ? std::min(value, kBrightest) : 0.0f;  // NaN is not above 0
             is_repaired |= !(value >= 0.0f && value <= kBrightest);
             pixels_[i][c] = inside;

@@ -39,15 +39,18 @@ struct Decoded {
     std::string error;
 };
 
-/// Fills an image's pixels.
-/// images     the ones before it.
+/// Fills an image's pixels, unless an image before it has them.
+/// originals  of the images before it; its own is added.
 /// decoded    by source_of, and by what the numbers mean.
 /// Returns    the reason why it has none; empty where all is well.
 /// Throws     std::runtime_error with the reason, too.
-std::string read_pixels(const GltfFile& file, const GltfImage& from, const std::vector<Image>& images, uint64_t max_pixels,
-                        std::map<std::pair<std::string, bool>, Decoded>& decoded, Image& image) {
-    const auto [found, is_new] = decoded.try_emplace({source_of(file, from), image.is_color}, Decoded{images.size(), {}});
+std::string read_pixels(const GltfFile& file, const GltfImage& from, uint64_t max_pixels,
+                        std::map<std::pair<std::string, bool>, Decoded>& decoded, std::vector<size_t>& originals,
+                        Image& image) {
+    originals.push_back(originals.size());
+    const auto [found, is_new] = decoded.try_emplace({source_of(file, from), image.is_color}, Decoded{originals.back(), {}});
     std::string& error = found->second.error;
+    originals.back() = found->second.image;
     if (is_new) {
         try {
             decode_image(encoded_bytes(file, from), &image, &error, max_pixels);
@@ -55,10 +58,6 @@ std::string read_pixels(const GltfFile& file, const GltfImage& from, const std::
             error = exception.what();
         }
         make_levels(&image);
-    } else if (error.empty()) {
-        const std::string name = std::move(image.name);
-        image = images[found->second.image];
-        image.name = name;
     }
     return error;
 }
@@ -89,6 +88,7 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
     const std::vector<Shown> as = how_shown(file.images.size(), scene);
     std::map<std::pair<std::string, bool>, Decoded> decoded;
     std::vector<Image> images;
+    std::vector<size_t> originals;
     for (size_t i = 0; i < file.images.size(); ++i) {
         const GltfImage& from = file.images[i];
         Image image;
@@ -97,15 +97,17 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
         if (options.load_images && as[i] != Shown::kNot) {
             std::string error;
             try {
-                error = read_pixels(file, from, images, options.max_pixels, decoded, image);
+                error = read_pixels(file, from, options.max_pixels, decoded, originals, image);
             } catch (const std::runtime_error& exception) {
                 error = exception.what();
             }
             if (!error.empty()) scene.warn(fmt::format("{}: {}: not shown", place_of(from, i), error));
         }
         images.push_back(std::move(image));
+        originals.resize(images.size(), i);
+        fit_images(&images, options.max_pixels);  // At once: no more than the limit and one image is ever in memory.
     }
-    fit_images(&images, options.max_pixels);
+    copy_and_fit(originals, &images, options.max_pixels);
     for (size_t i = 0; i < images.size(); ++i) {
         if (images[i].halvings == 0) continue;
         scene.warn(fmt::format("{}: halved {} times, to {} x {} texels: images may have {} together",

@@ -258,6 +258,7 @@ FloatImage read_picture(const fs::path& file) {
     image.width = spec.width;
     image.height = spec.height;
     image.channels = spec.channelnames;
+    image.is_encoded = spec.format == OIIO::TypeDesc::UINT8 || spec.format == OIIO::TypeDesc::UINT16;
     for (const OIIO::ParamValue& note : spec.extra_attribs) {
         if (note.type() == OIIO::TypeDesc::STRING) image.notes.emplace_back(note.name().string(), note.get_string());
     }

@@ -64,6 +64,7 @@ struct FloatImage {
     int width = 0, height = 0;
     std::vector<std::string> channels;
     std::vector<float> values;  ///< [height * width * channels.size()]; unsigned integer channels as their value.
+    bool is_encoded = false;    ///< Red, green and blue are sRGB, as of files with 8 or 16 bits; else light.
     PictureNotes notes;         ///< All texts of the file.
 };
 /// Throws     std::runtime_error with the file's name and the reason.

@@ -34,7 +34,30 @@ Cover cover(int i, int from, int to) {
 }
 
 uint64_t texel_count(const Image& image) {
-    return image.pixels.size() / 4;
+    return static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
+}
+
+/// An image and its levels without what they hold.
+Image sizes_of(const Image& image) {
+    Image sizes;
+    sizes.halvings = image.halvings;
+    sizes.width = image.width;
+    sizes.height = image.height;
+    for (const ImageLevel& level : image.coarser) sizes.coarser.push_back({level.width, level.height, {}});
+    return sizes;
+}
+
+/// A copy whose finest level is one of the image's coarser ones.
+Image from_level(const Image& image, size_t level) {
+    if (level == 0) return image;
+    Image copy;
+    copy.is_color = image.is_color;
+    copy.halvings = image.halvings + static_cast<int>(level);
+    copy.width = image.coarser[level - 1].width;
+    copy.height = image.coarser[level - 1].height;
+    copy.pixels = image.coarser[level - 1].pixels;
+    copy.coarser.assign(image.coarser.begin() + static_cast<std::ptrdiff_t>(level), image.coarser.end());
+    return copy;
 }
 
 }  // namespace
@@ -116,6 +139,34 @@ void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
     for (size_t i = images->size(); i-- > 0 && total > max_pixels;) {
         Image& image = (*images)[i];
         total -= texel_count(image);
+        image.width = image.height = 0;
+        image.pixels = {};
+    }
+}
+
+void copy_and_fit(const std::vector<size_t>& originals, std::vector<Image>* images, uint64_t max_pixels) {
+    std::vector<Image> sizes;
+    for (const size_t original : originals) sizes.push_back(sizes_of((*images)[original]));
+    fit_images(&sizes, max_pixels);
+    const auto level_of = [&](size_t i) {
+        return static_cast<size_t>(sizes[i].halvings - (*images)[originals[i]].halvings);
+    };
+    // Copies first: an original that is halved has lost what they may need.
+    for (size_t i = 0; i < originals.size(); ++i) {
+        if (originals[i] == i) continue;
+        if (sizes[i].width == 0) {
+            (*images)[i].halvings = sizes[i].halvings;
+            continue;
+        }
+        std::string name = std::move((*images)[i].name);
+        (*images)[i] = from_level((*images)[originals[i]], level_of(i));
+        (*images)[i].name = std::move(name);
+    }
+    for (size_t i = 0; i < originals.size(); ++i) {
+        if (originals[i] != i) continue;
+        Image& image = (*images)[i];
+        for (size_t level = level_of(i); level > 0; --level) drop_finest(&image);
+        if (sizes[i].width > 0) continue;
         image.width = image.height = 0;
         image.pixels = {};
     }

@@ -26,6 +26,11 @@ void drop_finest(Image* image);
 /// large ones the first. What is left when they are single texels is dropped from the last image on.
 void fit_images(std::vector<Image>* images, uint64_t max_pixels);
 
+/// Makes images that are copies of others, and halves all as `fit_images` does. Takes no more memory than what was there
+/// before and what is there then.
+/// originals  [images] position of the image that each is a copy of: its own, or a lower one's that is no copy.
+void copy_and_fit(const std::vector<size_t>& originals, std::vector<Image>* images, uint64_t max_pixels);
+
 /// What images and their levels take in memory.
 uint64_t byte_count(std::span<const Image> images);
 

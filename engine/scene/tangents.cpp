@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <tuple>
 #include <vector>
 
@@ -12,12 +14,14 @@ namespace zoe {
 
 namespace {
 
-using Key = std::tuple<float, float, float, float, float, float, float, float>;
+using Key = std::array<uint32_t, 8>;
 
 Key key_of(const Mesh& mesh, uint32_t vertex, int uv_set) {
     const glm::vec3 &p = mesh.positions[vertex], &n = mesh.normals[vertex];
     const glm::vec2& uv = mesh.uvs[uv_set][vertex];
-    return {p.x, p.y, p.z, n.x, n.y, n.z, uv.x, uv.y};
+    // By their bits, which have an order even where they are no numbers; 0 and -0 are one.
+    const auto bits = [](float x) { return std::bit_cast<uint32_t>(x == 0.0f ? 0.0f : x); };
+    return {bits(p.x), bits(p.y), bits(p.z), bits(n.x), bits(n.y), bits(n.z), bits(uv.x), bits(uv.y)};
 }
 
 /// For each of the vertices of a range, in ascending order, the first one that equals it.

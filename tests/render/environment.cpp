@@ -129,6 +129,10 @@ TEST(Environment, IsReadFromAFileOrRefusedWithItsName) {
     EXPECT_NEAR(sky.radiance({0, 1, 0}).r, 2.5f, 1e-4f);
     EXPECT_EQ(sky.repaired_count(), 0u);
 
+    // A picture for the screen is decoded: half as bright to the eye is a fifth of the light.
+    write_png(folder / "sky.png", 2, 1, std::vector<uint8_t>(8, 128));
+    EXPECT_NEAR(read_environment(folder / "sky.png").radiance({0, 1, 0}).g, 0.21586f, 1e-4f);
+
     const Channel others[] = {{"U", red}, {"V", green}, {"W", blue}};
     write_exr(folder / "no_sky.exr", 4, 2, others);
     for (const char* const name : {"no_sky.exr", "nowhere.exr"}) {

@@ -121,6 +121,27 @@ TEST(Layers, WhatWasNotThereIsTakenToHaveStoodStill) {
     for (const glm::vec2& motion : layers.motion) EXPECT_EQ(motion, glm::vec2(0.0f));
 }
 
+/// What a surface shows at another level has other triangles, wherever in memory they lie: it stood still.
+TEST(Layers, ASurfaceMayHaveHadAnotherLevel) {
+    Scene scene;
+    Mesh box = make_box(kNone<MaterialId>);
+    Cage cage;
+    for (const glm::uvec3& t : box.corners) {
+        cage.face_sizes.push_back(3);
+        cage.vertices.insert(cage.vertices.end(), {t.x, t.y, t.z});
+    }
+    SubdivisionSurface surface{.cage = cage, .options = {.level = 2}, .pixels = 0.05f, .max_level = 5};
+    add_node(scene, make_surface(box.positions, surface));
+    const View view = looking({0, 0, 5});
+    for (const float away : {4.0f, 400.0f, 3.0f, 90.0f, 5.0f, 9.0f, 1000.0f}) {
+        scene.viewpoint = Viewpoint{.eye_world = {0, 0, away}, .hysteresis = 0.0f};
+        Layers layers = layers_of(scene, view);
+        scene.viewpoint->eye_world.z = away > 50.0f ? 3.5f : 700.0f;
+        add_motion(view, advance(scene, 1.0), view, &layers);
+        for (const glm::vec2& motion : layers.motion) ASSERT_EQ(motion, glm::vec2(0.0f)) << "from " << away;
+    }
+}
+
 TEST(Layers, OrthographicCamerasHaveMotionAndNoSky) {
     Scene scene;
     const NodeId node = add_node(scene, make_floor(1.0f, 0.0f, add_diffuse(scene, glm::vec3(0.5f))));

@@ -210,6 +210,38 @@ TEST(GltfLimits, ImagesShareTheirPixelsAndTheirLimit) {
     }
 }
 
+// Many names for one picture, and many pictures: never much more in memory than what stays.
+TEST(GltfLimits, ImagesTakeNoMoreMemoryWhileTheyAreRead) {
+    constexpr int kSide = 256;
+    constexpr uint64_t kPixels = uint64_t{kSide} * kSide;
+    const auto peak_of = [&](int count, bool is_one) {
+        const TempFolder folder;
+        GlbBuilder glb;
+        for (int i = 0; i < count; ++i) {
+            const std::string name = is_one ? "a.png" : std::to_string(i) + ".png";
+            write_png(folder / name, kSide, kSide, std::vector<uint8_t>(4 * kPixels, static_cast<uint8_t>(i)));
+            const int image = glb.push("images", {{"uri", name}});
+            const int texture = glb.push("textures", {{"source", image}});
+            glb.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+        }
+        write_file(folder / "scene.gltf", glb.json.dump());
+        reset_peak_bytes();
+        const size_t before = live_bytes();
+        const Scene scene = load_gltf(folder / "scene.gltf", {.max_pixels = 2 * kPixels});
+        uint64_t kept = 0;
+        for (const Image& image : scene.images) {
+            EXPECT_GT(image.width, 0);
+            kept += image.pixels.size() / 4;
+        }
+        EXPECT_LE(kept, 2 * kPixels);
+        EXPECT_GT(kept, kPixels / 2);
+        return peak_bytes() - before;
+    };
+    const size_t of_one = peak_of(1, true);  // With what OpenImageIO takes for itself.
+    // Twice the limit, as copies are made, with a third of levels: one is in `of_one`. All 24 would be eight more.
+    for (const bool is_one : {true, false}) EXPECT_LT(peak_of(24, is_one), of_one + 4 * 4 * kPixels * 4 / 3) << is_one;
+}
+
 TEST(GltfLimits, ImagesFarBeyondTheLimitAreNotDecoded) {
     const TempFolder folder;
     write_png(folder / "a.png", 64, 64, std::vector<uint8_t>(64 * 64 * 4, 7));
