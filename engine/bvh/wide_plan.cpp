@@ -1,8 +1,6 @@
 #include "engine/bvh/wide_plan.h"
 
-#include <algorithm>
 #include <array>
-#include <limits>
 
 #include "engine/bvh/wide_plan_range.h"
 #include "engine/math/parallel.h"

@@ -35,9 +35,10 @@ struct RenderConfig {
 /// surfaces where a path meets them and by shadow rays, and punctual lights by shadow rays. Surfaces scatter as glTF's
 /// materials say (bsdf.h). Sky and sun are there whatever lights the scene has. Alpha blends by chance, shadows by the exact
 /// share, and thin sheets that light passes do both. Bodies that it passes bend it, and shade the sun and punctual lights.
-/// Single-sided materials are seen from their front only, and neither lit nor shade from behind. stats      added to; may be
-/// null. rays: all of them; hits: those that hit; hits_hash: over the closest hits, keyed by pixel, sample, bounce
-///            and see-through surfaces passed.
+/// Single-sided materials are seen from their front only, and neither lit nor shade from behind.
+///
+/// stats      added to; may be null. rays: all of them; hits: those that hit; hits_hash: over the closest hits, keyed by
+///            pixel, sample, bounce and see-through surfaces passed.
 /// Returns    false where it was cancelled.
 bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,
             FrameStats* stats);

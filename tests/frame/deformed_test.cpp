@@ -112,8 +112,7 @@ size_t own_count(const Content& content) {
     return content.scene.frame->own_shapes.size();
 }
 
-// Nodes that show their mesh as it is stand in a tree that they share. Once it is there, frames leave them alone; counters
-// count them on.
+// Nodes that show their mesh as it is stand in a tree that they share, and keep nothing of their own. Counters count them.
 TEST(Deformed, OnlyWhatMayDeformHasMemoryOfItsOwn) {
     struct Look {
         const char* name;
