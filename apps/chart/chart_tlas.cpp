@@ -60,9 +60,14 @@ public:
 
     Work work(const Tlas& tlas, std::span<const Ray> rays) {
         placed_.clear();
-        for (const uint32_t slot : slots_) placed_.push_back(tlas.placed[slot]);
+        bounds_.clear();
+        for (const uint32_t slot : slots_) {
+            placed_.push_back(tlas.placed[slot]);
+            bounds_.push_back(tlas.bounds_placed[slot]);
+        }
         return work_of_rays({.top = &tree_,
                              .instances = placed_.data(),
+                             .bounds = bounds_.data(),
                              .stack_size = tlas.stack_size - tlas.tree.stack_size() + tree_.stack_size(),
                              .slack = tlas.slack},
                             rays);
@@ -75,6 +80,7 @@ private:
     WideBvh tree_;
     std::vector<uint32_t> slots_;
     std::vector<PlacedBlas> placed_;
+    std::vector<Aabb> bounds_;
     CollapseScratch scratch_;
 };
 

@@ -16,6 +16,7 @@ public:
 private:
     WideBvh top_;
     PlacedBlas placed_;
+    Aabb bounds_;
 };
 
 }  // namespace zoe

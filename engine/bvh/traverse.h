@@ -15,15 +15,16 @@ struct TraverseCounts {
     uint32_t triangles = 0;  ///< Triangle tests, whole blocks.
 };
 
-/// A tree in the world, or a part of one, as the kernels see it.
-struct PlacedBlas {
+/// A tree in the world, or a part of one, as the kernels see it: a cache line.
+struct alignas(64) PlacedBlas {
     Affine local_from_world;
-    Aabb bounds_world;  ///< Around the whole tree: where its hits may be. The same for all of its parts.
     const Blas* blas = nullptr;
-    uint32_t id = 0;           ///< Breaks ties before the primitive does.
-    uint32_t start = 0;        ///< The part: a child's word in the tree. 0: all of it.
-    bool is_identity = false;  ///< Local space is world space.
+    uint32_t start = 0;                ///< The part: a child's word in the tree. 0: all of it.
+    uint32_t id : 30 = 0;              ///< Breaks ties before the primitive does.
+    uint32_t is_identity : 1 = false;  ///< Local space is world space.
+    uint32_t is_shifted : 1 = false;   ///< local_from_world.linear is the identity: directions are the same in both.
 };
+static_assert(sizeof(PlacedBlas) == 64);
 
 /// How far a ray that was transformed may be off its way in the world: this times the largest coordinate on it, of its
 /// origin, or of the instance's translation, where |M| |M^-1| has no row of a sum above kMostSpread. A transform in float is
@@ -32,11 +33,13 @@ inline constexpr float kTightSlack = 64.0f * 1.1920929e-7f;
 inline constexpr float kMostSpread = 4.5f;
 
 /// A tree over placed trees or parts of them: its leaves are single blocks of one each, instances[k] being block k.
+/// bounds     [as many] around the whole tree in the world: where its hits may be. The same for all of its parts.
 struct TwoLevels {
     const WideBvh* top = nullptr;
     const PlacedBlas* instances = nullptr;
+    const Aabb* bounds = nullptr;
     size_t stack_size = 0;  ///< Of `top` and the deepest of the instances' trees together.
-    /// 0 where the boxes of `top` hold bounds_world of what is transformed. Else they may be tighter: what is in them,
+    /// 0 where the boxes of `top` hold the bounds of what is transformed. Else they may be tighter: what is in them,
     /// padded by kTightSlack times their own coordinates and the translation's, and this is kTightSlack: rays see them as
     /// larger by that much of their origin's coordinates.
     float slack = 0.0f;

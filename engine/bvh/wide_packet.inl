@@ -222,7 +222,7 @@ static_assert(sizeof(Ray) == 8 * sizeof(float) && offsetof(Ray, direction) == 3 
 // Takes the rays that enter an instance's box into its space, by the operations of `entry` and of Affine; the others stand
 // where the first of these does, so that they widen nothing. Returns a bit for each that enters; where none does,
 // `local` is as it was.
-HWY_INLINE uint32_t transform(const PlacedBlas& placed, const Packet& world, Packet* local) {
+HWY_INLINE uint32_t transform(const PlacedBlas& placed, const Aabb& bounds, const Packet& world, Packet* local) {
     const RayTag d;
     using V = hn::Vec<RayTag>;
     uint32_t entered = 0;
@@ -230,7 +230,7 @@ HWY_INLINE uint32_t transform(const PlacedBlas& placed, const Packet& world, Pac
     for (size_t lane = 0; lane < kPacketSize; lane += kRayLanes) {
         V in = hn::Zero(d), out = hn::Set(d, kInfinity);
         for (int axis = 0; axis < 3; ++axis) {
-            const float lo = placed.bounds_world.lo[axis], hi = placed.bounds_world.hi[axis];
+            const float lo = bounds.lo[axis], hi = bounds.hi[axis];
             const V origin = hn::Load(d, world.origin[axis] + lane), inverse = hn::Load(d, world.inverse[axis] + lane);
             in = larger(hn::Mul(hn::Sub(hn::Set(d, world.is_negative[axis] ? hi : lo), origin), inverse), in);
             out = smaller(hn::Mul(hn::Sub(hn::Set(d, world.is_negative[axis] ? lo : hi), origin), inverse), out);

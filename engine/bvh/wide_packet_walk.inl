@@ -7,7 +7,7 @@ namespace HWY_NAMESPACE {
 // Those of a packet's rays that `which` has a bit for, in the space of an instance, as a stream, each from the hit that it
 // has.
 template <bool kIsAny>
-HWY_INLINE void trace_apart(const TwoLevels& scene, const PlacedBlas& placed, uint32_t which, Packet* packet, Stream* stream,
+HWY_INLINE void trace_apart(const PlacedBlas& placed, const Aabb& bounds, uint32_t which, Packet* packet, Stream* stream,
                             TraverseCounts* counts) {
     stream->clear();
     for (; which != 0; which &= which - 1) {
@@ -18,7 +18,7 @@ HWY_INLINE void trace_apart(const TwoLevels& scene, const PlacedBlas& placed, ui
         stream->t_floor[k] = packet->t_floor[k];
         if (stream->local[k].set(packet->ray(k))) stream->looking |= RaySet{1} << k;
     }
-    trace_instance<kIsAny>(placed, stream->looking, stream, stream->stack, counts);
+    trace_instance<kIsAny>(placed, bounds, stream->looking, stream, stream->stack, counts);
     for (RaySet found = stream->found; found != 0; found &= found - 1) {
         const int k = std::countr_zero(found);
         const RawHit& hit = stream->hits[k];
@@ -33,7 +33,6 @@ HWY_INLINE void trace_apart(const TwoLevels& scene, const PlacedBlas& placed, ui
 // A packet on its way.
 template <bool kIsAny>
 struct PacketWalk {
-    const TwoLevels& scene;
     Packet &world, &local;
     Stream* stream;  // For rays that are better not traced as a packet.
     TraverseCounts* counts;
@@ -60,14 +59,14 @@ struct PacketWalk {
 
 // Returns false where the packet does not go on from the root of the instance's tree.
 template <bool kIsAny>
-HWY_INLINE bool enter_instance(PacketWalk<kIsAny>& walk, const PlacedBlas& placed) {
+HWY_INLINE bool enter_instance(PacketWalk<kIsAny>& walk, const PlacedBlas& placed, const Aabb& bounds) {
     Stack& stack = walk.stack;
     if (!placed.is_identity) {
-        const uint32_t entered = transform(placed, walk.world, &walk.local);
+        const uint32_t entered = transform(placed, bounds, walk.world, &walk.local);
         if (entered == 0) return false;
-        const glm::vec3 size = placed.bounds_world.extent();
+        const glm::vec3 size = bounds.extent();
         if (std::popcount(entered) < kFewRays || !is_narrow(walk.world, size.x + size.y + size.z) || !prepare(&walk.local)) {
-            trace_apart<kIsAny>(walk.scene, placed, entered, &walk.local, walk.stream, walk.counts);
+            trace_apart<kIsAny>(placed, bounds, entered, &walk.local, walk.stream, walk.counts);
             walk.set_limit();
             return false;
         }
@@ -89,7 +88,7 @@ HWY_INLINE bool enter_instance(PacketWalk<kIsAny>& walk, const PlacedBlas& place
 template <bool kIsAny>
 HWY_INLINE uint32_t trace_packet(const TwoLevels& scene, Packet& world, Packet& local, const Stack& memory, Stream* stream,
                                  TraverseCounts* counts) {
-    PacketWalk<kIsAny> walk{scene, world, local, stream, counts, &world, memory, scene.top->nodes.data()};
+    PacketWalk<kIsAny> walk{world, local, stream, counts, &world, memory, scene.top->nodes.data()};
     Stack& stack = walk.stack;
     walk.set_limit();
     uint32_t at = 0, tested_blocks = 0;
@@ -112,7 +111,7 @@ HWY_INLINE uint32_t trace_packet(const TwoLevels& scene, Packet& world, Packet& 
             if (is_found) walk.set_limit();
         } else {
             const PlacedBlas& placed = scene.instances[first_block(at)];
-            has_next = enter_instance(walk, placed);
+            has_next = enter_instance(walk, placed, scene.bounds[first_block(at)]);
             at = placed.start;
         }
         if (has_next) continue;

@@ -62,6 +62,24 @@ struct Space {
         // What follows an origin or a direction fills the fourth lane.
         return set(hn::LoadU(d, &ray.origin.x), hn::LoadU(d, &ray.direction.x)) & (ray.t_min >= 0.0f);
     }
+    // As `set` of a ray from another place with the direction of `other`.
+    HWY_INLINE bool set_shifted(const Space& other, hn::Vec<AxisTag> ray_origin) {
+        const AxisTag d;
+        const AxisBits bits;
+        hn::Store(ray_origin, d, origin);
+        hn::Store(hn::Load(d, other.inverse), d, inverse);
+        hn::Store(hn::Load(d, other.far_inverse), d, far_inverse);
+        hn::Store(hn::Load(bits, other.negative), bits, negative);
+        hn::Store(hn::Load(bits, other.near_row), bits, near_row);
+        hn::Store(hn::Load(d, other.direction), d, direction);
+        hn::Store(hn::Load(d, other.shear), d, shear);
+        const auto row = hn::Load(bits, other.sheared_row);
+        hn::Store(row, bits, sheared_row);
+        const auto order = hn::IndicesFromVec(d, hn::ShiftRight<2>(row));
+        hn::Store(hn::TableLookupLanes(ray_origin, order), d, sheared_origin);
+        const auto is_finite = hn::Le(hn::Abs(ray_origin), hn::Set(d, std::numeric_limits<float>::max()));
+        return (bits_of(d, is_finite) & 7) == 7;
+    }
     // Of a ray in the world, for the top level.
     // slack      of TwoLevels.
     HWY_INLINE void widen(float slack) {

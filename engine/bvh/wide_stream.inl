@@ -100,8 +100,8 @@ HWY_INLINE StreamEntry* push_children(const WideNode& node, const Space* spaces,
 
 // Tests a leaf's triangles.
 template <bool kIsAny>
-HWY_INLINE void test_leaf(const PlacedBlas& placed, uint32_t child, const Space* spaces, RaySet rays, Stream* stream,
-                          TraverseCounts* counts) {
+HWY_INLINE void test_leaf(const PlacedBlas& placed, const Aabb& bounds, uint32_t child, const Space* spaces, RaySet rays,
+                          Stream* stream, TraverseCounts* counts) {
     const TriangleBlock* const blocks = placed.blas->blocks.data();
     const TriangleBlock* block = blocks + first_block(child);
     for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
@@ -112,7 +112,7 @@ HWY_INLINE void test_leaf(const PlacedBlas& placed, uint32_t child, const Space*
             RawHit& hit = stream->hits[k];
             const auto floor = [&]() HWY_ATTR {
                 float& t = stream->t_floor[k];
-                if (t < 0.0f) t = entry(stream->world[k], placed.bounds_world, kInfinity);
+                if (t < 0.0f) t = entry(stream->world[k], bounds, kInfinity);
                 return t;
             };
             test_block(*block, spaces[k], floor, stream->t_min[k], hit.t,
@@ -138,7 +138,7 @@ HWY_INLINE RaySet enter_instance(const PlacedBlas& placed, RaySet rays, Stream* 
     for (; rays != 0; rays &= rays - 1) {
         const int k = std::countr_zero(rays);
         stream->t_floor[k] = -1.0f;
-        if (!transform(placed.local_from_world, stream->world[k], &stream->local[k])) continue;
+        if (!transform(placed, stream->world[k], &stream->local[k])) continue;
         entered |= RaySet{1} << k;
     }
     return entered;
@@ -159,8 +159,8 @@ HWY_INLINE void prefetch(const StreamEntry* bottom, const StreamEntry* end, cons
 // Takes rays through an instance, in whose space they are already.
 // bottom     of what it may keep of the stack.
 template <bool kIsAny>
-HWY_INLINE void trace_instance(const PlacedBlas& placed, RaySet entered, Stream* stream, StreamEntry* bottom,
-                               TraverseCounts* counts) {
+HWY_INLINE void trace_instance(const PlacedBlas& placed, const Aabb& bounds, RaySet entered, Stream* stream,
+                               StreamEntry* bottom, TraverseCounts* counts) {
     const WideNode* const nodes = placed.blas->tree.nodes.data();
     const TriangleBlock* const blocks = placed.blas->blocks.data();
     const Space* const spaces = placed.is_identity ? stream->world : stream->local;
@@ -172,7 +172,7 @@ HWY_INLINE void trace_instance(const PlacedBlas& placed, RaySet entered, Stream*
         const RaySet rays = kIsAny ? end->rays & stream->looking : end->rays;
         if (kIsAny && rays == 0) continue;
         if (is_leaf(at)) {
-            test_leaf<kIsAny>(placed, at, spaces, rays, stream, counts);
+            test_leaf<kIsAny>(placed, bounds, at, spaces, rays, stream, counts);
         } else {
             counts->nodes += static_cast<uint32_t>(std::popcount(rays));
             end = push_children<kIsAny, false>(nodes[at], spaces, stream->limit, rays, end);
@@ -196,7 +196,7 @@ void trace_stream(const TwoLevels& scene, Stream* stream, TraverseCounts* counts
         if (is_leaf(at)) {
             const PlacedBlas& placed = scene.instances[first_block(at)];
             const RaySet entered = enter_instance(placed, rays, stream);
-            if (entered != 0) trace_instance<kIsAny>(placed, entered, stream, end, counts);
+            if (entered != 0) trace_instance<kIsAny>(placed, scene.bounds[first_block(at)], entered, stream, end, counts);
         } else {
             counts->nodes += static_cast<uint32_t>(std::popcount(rays));
             end = push_children<kIsAny, true>(nodes[at], stream->world, stream->limit, rays, end);

@@ -63,9 +63,16 @@ HWY_INLINE void test_leaf(Walk<kIsAny>& walk, const Space& space, uint32_t child
 }
 
 // Takes a ray into an instance's space, by the operations of Affine. Returns false for one that hits nothing there.
-HWY_INLINE bool transform(const Affine& local_from_world, const Space& world, Space* local) {
+HWY_INLINE bool transform(const PlacedBlas& placed, const Space& world, Space* local) {
     const AxisTag d;
-    const glm::mat3& m = local_from_world.linear;
+    const glm::mat3& m = placed.local_from_world.linear;
+    if (placed.is_shifted) {
+        const auto zero = hn::Zero(d), at = hn::Load(d, world.origin);
+        // The products with the identity change nothing but signs of 0.
+        const auto has_zero = hn::Or(hn::Eq(at, zero), hn::Eq(hn::Load(d, world.direction), zero));
+        const auto shift = hn::ShiftRightLanes<1>(d, hn::LoadU(d, &m[2].z));
+        if (HWY_LIKELY((bits_of(d, has_zero) & 7) == 0)) return local->set_shifted(world, hn::Add(at, shift));
+    }
     const auto x = hn::LoadU(d, &m[0].x), y = hn::LoadU(d, &m[1].x), z = hn::LoadU(d, &m[2].x);
     const auto shift = hn::ShiftRightLanes<1>(d, hn::LoadU(d, &m[2].z));  // The translation follows the matrix.
     const auto times = [&](const float* v) HWY_ATTR {
@@ -77,14 +84,14 @@ static_assert(offsetof(Affine, translation) == sizeof(glm::mat3) && sizeof(glm::
 
 // Returns false where the ray does not enter the instance's box.
 template <bool kIsAny>
-HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed) {
+HWY_INLINE bool enter_instance(Walk<kIsAny>& walk, const PlacedBlas& placed, const Aabb& bounds) {
     // Where no transform lies between, the tree's boxes are in the world's: no entry is nearer than the floor would be.
     walk.t_floor = 0.0f;
     if (!placed.is_identity) {
-        walk.t_floor = entry(walk.world, placed.bounds_world, walk.hit.t);
+        walk.t_floor = entry(walk.world, bounds, walk.hit.t);
         if (!(walk.t_floor < std::numeric_limits<float>::infinity())) return false;
         // The direction is not normalised, so t stays in the world's unit.
-        if (!transform(placed.local_from_world, walk.world, &walk.local)) return false;
+        if (!transform(placed, walk.world, &walk.local)) return false;
     }
     walk.nodes = placed.blas->tree.nodes.data();
     walk.blocks = placed.blas->blocks.data();
@@ -121,7 +128,7 @@ HWY_INLINE void trace(Walk<kIsAny>& walk, const TwoLevels* scene, uint32_t at) {
             if (kIsAny && walk.is_found) break;
         } else {
             const PlacedBlas& placed = scene->instances[first_block(at)];
-            if (enter_instance(walk, placed)) {
+            if (enter_instance(walk, placed, scene->bounds[first_block(at)])) {
                 if (stack.children[stack.size - 1] != kDone) {
                     stack.keys[stack.size] = 0;
                     stack.children[stack.size++] = kLeave;

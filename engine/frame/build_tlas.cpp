@@ -212,17 +212,19 @@ void build(const ClusterConfig& config, Tlas* tlas, TlasScratch* scratch) {
     tlas->bvh = build_clusters(tlas->boxes, config, std::move(tlas->bvh), &scratch->clusters);
     collapse(tlas->bvh, {.block_size = 1, .max_leaf_blocks = 1}, &tlas->tree, &tlas->slots, &scratch->collapse);
     tlas->placed.resize(tlas->slots.size());
+    tlas->bounds_placed.resize(tlas->slots.size());
     parallel_for(0, tlas->slots.size(), kGrain, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k) {
             if (k + kAhead < end) prefetch(tlas->instances[tlas->parts[tlas->slots[k + kAhead]].instance]);
             const PlacedPart& part = tlas->parts[tlas->slots[k]];
             const Instance& instance = tlas->instances[part.instance];
             tlas->placed[k] = {.local_from_world = instance.local_from_world,
-                               .bounds_world = instance.bounds_world,
                                .blas = instance.blas,
-                               .id = index(instance.node),
                                .start = part.start,
-                               .is_identity = instance.is_identity};
+                               .id = index(instance.node),
+                               .is_identity = instance.is_identity,
+                               .is_shifted = instance.local_from_world.linear == glm::mat3(1.0f)};
+            tlas->bounds_placed[k] = instance.bounds_world;
         }
     });
 }

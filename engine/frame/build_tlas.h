@@ -36,7 +36,8 @@ struct PlacedPart {
 struct Tlas {
     Bvh bvh;                                 ///< As built; primitives are positions in `parts`.
     WideBvh tree;                            ///< As traversed: block k is placed[k].
-    std::vector<PlacedBlas> placed;          ///< [parts] what the kernels read of them.
+    std::vector<PlacedBlas> placed;          ///< [parts] what the kernels read of them,
+    std::vector<Aabb> bounds_placed;         ///< and that of their whole trees in the world.
     size_t stack_size = 0;                   ///< Entries that a ray may have to keep, on both levels.
     float slack = 0.0f;                      ///< See TwoLevels.
     std::vector<Instance> instances;         ///< In order of their nodes.
@@ -49,7 +50,7 @@ struct Tlas {
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }
     Aabb bounds() const { return bounds_world; }
-    TwoLevels levels() const { return {&tree, placed.data(), stack_size, slack}; }
+    TwoLevels levels() const { return {&tree, placed.data(), bounds_placed.data(), stack_size, slack}; }
 };
 
 }  // namespace zoe

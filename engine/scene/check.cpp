@@ -182,7 +182,8 @@ std::string check_all(const std::vector<T>& things, const char* what, Check&& ch
 }  // namespace
 
 std::string check(const Scene& scene) {
-    if (scene.nodes.size() >= index(kNone<NodeId>)) return "more than 2^32 nodes";
+    constexpr size_t kMostNodes = size_t{1} << 30;  // Rays know nodes by 30 bits.
+    if (scene.nodes.size() > kMostNodes) return "more than 2^30 nodes";
     std::string broken = check_all(scene.images, "image", [&](const Image& i) { return check_image(i, scene); });
     if (broken.empty())
         broken = check_all(scene.materials, "material", [&](const auto& m) { return check_material(m, scene); });

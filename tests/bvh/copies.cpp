@@ -45,17 +45,20 @@ Copies::Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_l
     : mesh_(std::move(mesh)), blas_(std::move(blas)) {
     std::vector<Aabb> boxes;
     std::vector<PlacedBlas> parts;
-    std::vector<PlacedBlas> placed;
+    std::vector<Aabb> part_bounds;
     for (const Affine& map : world_from_local) {
         const bool is_identity = map == Affine{};
         const Aabb box = blas_.tree.bounds();
-        PlacedBlas one{.bounds_world = is_identity ? box : transform(map, box), .blas = &blas_, .is_identity = is_identity};
+        PlacedBlas one{.blas = &blas_, .is_identity = is_identity};
+        Aabb bounds = is_identity ? box : transform(map, box);
         if (!is_identity && !invert(map, &one.local_from_world)) ADD_FAILURE() << "a map without an inverse";
-        const glm::vec3 cut = 0.5f * (1.0f - box_scale) * one.bounds_world.extent();
-        one.bounds_world = {one.bounds_world.lo + cut, one.bounds_world.hi - cut};
+        one.is_shifted = one.local_from_world.linear == glm::mat3(1.0f);
+        const glm::vec3 cut = 0.5f * (1.0f - box_scale) * bounds.extent();
+        bounds = {bounds.lo + cut, bounds.hi - cut};
         // Lower ids last, so that ties are not broken by the order alone.
-        one.id = static_cast<uint32_t>(world_from_local.size() - placed.size());
-        placed.push_back(one);
+        one.id = static_cast<uint32_t>(world_from_local.size() - placed_.size());
+        placed_.push_back(one);
+        bounds_.push_back(bounds);
         if (top == Top::kParts) {
             const WideNode& root = blas_.tree.nodes[0];
             for (int slot = 0; slot < kWidth && root.child[slot] != kEmptyChild; ++slot) {
@@ -67,19 +70,23 @@ Copies::Copies(TestMesh mesh, Blas blas, const std::vector<Affine>& world_from_l
                 }
                 parts.push_back(one);
                 parts.back().start = root.child[slot];
+                part_bounds.push_back(bounds);
                 boxes.push_back(is_identity ? part : tight_box(map, corners));
             }
         } else {
             parts.push_back(one);
-            boxes.push_back(top == Top::kTightBoxes && !is_identity ? tight_box(map, mesh_.positions) : one.bounds_world);
+            part_bounds.push_back(bounds);
+            boxes.push_back(top == Top::kTightBoxes && !is_identity ? tight_box(map, mesh_.positions) : bounds);
         }
     }
     std::vector<uint32_t> slots;
     CollapseScratch scratch;
     collapse(build_agglomerative(boxes, {}), {.block_size = 1, .max_leaf_blocks = 1}, &top_, &slots, &scratch);
-    for (const uint32_t slot : slots) traced_.push_back(parts[slot]);
-    placed_ = std::move(placed);
-    levels_ = {&top_, traced_.data(), top_.stack_size() + blas_.tree.stack_size() + 1,
+    for (const uint32_t slot : slots) {
+        traced_.push_back(parts[slot]);
+        traced_bounds_.push_back(part_bounds[slot]);
+    }
+    levels_ = {&top_, traced_.data(), traced_bounds_.data(), top_.stack_size() + blas_.tree.stack_size() + 1,
                top == Top::kWholeBoxes ? 0.0f : kTightSlack};
 }
 
@@ -87,16 +94,17 @@ RawHit Copies::brute_force(const Ray& ray) const {
     RawHit best{.t = ray.t_max};
     const SlabRay world(ray);
     if (world.is_valid && ray.t_min <= ray.t_max) {
-        for (const PlacedBlas& placed : placed_) improve(placed, world, ray, &best);
+        for (size_t copy = 0; copy < placed_.size(); ++copy) improve(copy, world, ray, &best);
     }
     return best.id == kEmptyChild ? RawHit{} : best;
 }
 
-void Copies::improve(const PlacedBlas& placed, const SlabRay& world, const Ray& ray, RawHit* best) const {
+void Copies::improve(size_t copy, const SlabRay& world, const Ray& ray, RawHit* best) const {
+    const PlacedBlas& placed = placed_[copy];
     float t_floor = 0.0f;
     Ray local = ray;
     if (!placed.is_identity) {
-        t_floor = entry(world, placed.bounds_world.lo, placed.bounds_world.hi, best->t);
+        t_floor = entry(world, bounds_[copy].lo, bounds_[copy].hi, best->t);
         local.origin = placed.local_from_world.point(ray.origin);
         local.direction = placed.local_from_world.vector(ray.direction);
     }

@@ -22,18 +22,21 @@ public:
 
     const TwoLevels& levels() const { return levels_; }
     const std::vector<PlacedBlas>& placed() const { return placed_; }
+    /// [placed]
+    const std::vector<Aabb>& bounds() const { return bounds_; }
     const TestMesh& mesh() const { return mesh_; }
 
     /// By trying every triangle of every copy.
     RawHit brute_force(const Ray& ray) const;
 
 private:
-    void improve(const PlacedBlas& placed, const SlabRay& world, const Ray& ray, RawHit* best) const;
+    void improve(size_t copy, const SlabRay& world, const Ray& ray, RawHit* best) const;
 
     TestMesh mesh_;
     Blas blas_;
     WideBvh top_;
     std::vector<PlacedBlas> placed_, traced_;  // Copies; what the tree holds of them.
+    std::vector<Aabb> bounds_, traced_bounds_;
     TwoLevels levels_;
 };
 

@@ -20,7 +20,7 @@ std::vector<Ray> coherent_rays(const Copies& copies, int packet_count, uint64_t 
     const auto count = static_cast<uint32_t>(copies.placed().size());
     const Aabb all = copies.levels().top->bounds();
     for (int packet = 0; packet < packet_count; ++packet) {
-        const Aabb& box = copies.placed()[rng.below(count)].bounds_world;
+        const Aabb& box = copies.bounds()[rng.below(count)];
         const float size = 0.3f * glm::length(box.extent());
         const glm::vec3 eye = all.centre() + random_direction(rng) * all.extent();
         const glm::vec3 target = box.centre() + rng.uniform(0.0f, 1.5f) * size * random_direction(rng);

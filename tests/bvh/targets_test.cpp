@@ -33,11 +33,13 @@ struct OneTree {
         std::vector<uint32_t> slots;
         CollapseScratch scratch;
         collapse(bvh, {.block_size = 1, .max_leaf_blocks = 1}, &top, &slots, &scratch);
-        placed = {.bounds_world = box, .blas = &blas, .id = 3, .is_identity = true};
-        levels = {&top, &placed, top.stack_size() + blas.tree.stack_size() + 1};
+        placed = {.blas = &blas, .id = 3, .is_identity = true};
+        bounds = box;
+        levels = {&top, &placed, &bounds, top.stack_size() + blas.tree.stack_size() + 1};
     }
     WideBvh top;
     PlacedBlas placed;
+    Aabb bounds;
     TwoLevels levels;
 };
 
