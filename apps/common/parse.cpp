@@ -26,6 +26,20 @@ std::optional<double> parse_number(std::string_view text) {
     return value;
 }
 
+std::optional<std::vector<double>> parse_numbers(std::string_view text, size_t count) {
+    std::vector<double> numbers;
+    std::string_view rest = text;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t comma = i + 1 < count ? rest.find(',') : rest.size();
+        if (comma == std::string_view::npos) return std::nullopt;
+        const std::optional<double> number = parse_number(rest.substr(0, comma));
+        if (!number) return std::nullopt;
+        numbers.push_back(*number);
+        if (i + 1 < count) rest.remove_prefix(comma + 1);
+    }
+    return numbers;
+}
+
 FrameRange parse_frames(std::string_view text) {
     constexpr int kMaxFrame = 999'999'999;
     const size_t dash = text.find('-');
@@ -64,17 +78,12 @@ PictureSize parse_size(std::string_view text) {
 }
 
 glm::dvec3 parse_point(std::string_view text, const std::string& option) {
-    glm::dvec3 point{0.0};
-    std::string_view rest = text;
+    const std::optional<std::vector<double>> numbers = parse_numbers(text, 3);
+    if (!numbers) throw UsageError(fmt::format("{} {}: give X,Y,Z in metres, such as 0,1.5,4", option, text));
+    const glm::dvec3 point((*numbers)[0], (*numbers)[1], (*numbers)[2]);
     for (int axis = 0; axis < 3; ++axis) {
-        const size_t comma = axis < 2 ? rest.find(',') : rest.size();
-        const std::optional<double> value =
-            comma == std::string_view::npos ? std::nullopt : parse_number(rest.substr(0, comma));
-        if (!value) throw UsageError(fmt::format("{} {}: give X,Y,Z in metres, such as 0,1.5,4", option, text));
-        if (std::abs(*value) > kMaxPlace)
+        if (std::abs(point[axis]) > kMaxPlace)
             throw UsageError(fmt::format("{} {}: too far; at most {:g} metres along each axis", option, text, kMaxPlace));
-        point[axis] = *value;
-        if (axis < 2) rest.remove_prefix(comma + 1);
     }
     return point;
 }

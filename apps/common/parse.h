@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -32,6 +33,8 @@ inline constexpr int kMaxSide = 16384;
 std::optional<int> parse_count(std::string_view text, int max);
 /// A decimal number, finite, and nothing after it.
 std::optional<double> parse_number(std::string_view text);
+/// So many of them with commas between: "1,2.5,-3".
+std::optional<std::vector<double>> parse_numbers(std::string_view text, size_t count);
 
 /// More frames than this at once are refused: each has a picture's name in memory, and a file in one folder.
 inline constexpr int kMaxFrameCount = 1'000'000;

@@ -8,6 +8,7 @@
 #include "apps/common/open_scene.h"
 #include "apps/common/usage_error.h"
 #include "apps/common/write_file.h"
+#include "apps/demo/choose_sky.h"
 #include "apps/demo/headless.h"
 #include "apps/demo/options.h"
 #include "apps/demo/window.h"
@@ -20,19 +21,6 @@ int fail(int exit_code, const std::string& message) {
     std::fputs(fmt::format("{}: {}\n", kProgram, zoe::one_line(message)).c_str(),
                stderr);  // fmt::print throws on a full disk
     return exit_code;
-}
-
-/// Reads the sky that was asked for.
-void read_sky(zoe::Options& options) {
-    if (!options.sky) return;
-    auto environment = std::make_shared<zoe::Environment>(zoe::read_environment(*options.sky));
-    if (const uint64_t count = environment->repaired_count(); count > 0) {
-        std::fputs(fmt::format("{}: {}: {} pixels with numbers that are no light: brought into range\n", kProgram,
-                               *options.sky, count)
-                       .c_str(),
-                   stderr);
-    }
-    options.environment = std::move(environment);
 }
 
 zoe::Content open(const zoe::Options& options) {
@@ -60,6 +48,7 @@ void run_windows(zoe::GlWindow& window, zoe::Content& content, zoe::Options opti
         next.level.reset();
         try {
             zoe::Content other = open(next);
+            next.environment = zoe::choose_sky(next, other.scene);
             zoe::advance(other, 0.0, nullptr);  // What it cannot show is found out before the last scene is gone.
             content = std::move(other);
             content.scene.touch();
@@ -78,9 +67,9 @@ void run_windows(zoe::GlWindow& window, zoe::Content& content, zoe::Options opti
 
 void run(zoe::Options options) {
     zoe::set_thread_count(options.threads);
-    read_sky(options);
     if (options.screenshot) zoe::require_writable(*options.screenshot);
     zoe::Content content = open(options);
+    options.environment = zoe::choose_sky(options, content.scene);
     std::vector<std::string> printed;
     zoe::print_warnings(kProgram, content.scene, &printed);
 

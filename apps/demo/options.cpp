@@ -14,7 +14,7 @@ namespace {
 
 /// Options whose text is checked after all of them were read.
 struct Texts {
-    std::string frames, shard, eye, target, origin, size, shade, tone, out, cache;
+    std::string frames, shard, eye, target, origin, size, sky, sun, shade, tone, out, cache;
     double exposure_stops = 0.0;
 };
 
@@ -81,9 +81,14 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
                    "path: lit; albedo: colours; normal; motion: the classes; cost: work of each pixel")
         ->type_name("path|albedo|normal|motion|cost")
         ->group(seen);
-    app.add_option("--sky", options.sky,
-                   "A picture of all directions (.hdr, .exr) that lights the scene, instead of sun and sky")
-        ->type_name("FILE")
+    app.add_option("--sky", texts.sky,
+                   "What lights the scene from all around: a computed sky (unless told, where the scene has no lights), a "
+                   "plain one (where it has), one colour, or a picture of all directions (.hdr, .exr)")
+        ->type_name("physical|plain|R,G,B|FILE")
+        ->group(seen);
+    app.add_option("--sun", texts.sun,
+                   "Where the sun of the physical sky stands: degrees up, and round from -Z to +X (48,138)")
+        ->type_name("UP,ROUND")
         ->group(seen);
     app.add_option("--size", texts.size, "Of the picture (640x360) or the window (1280x720)")->type_name("WxH")->group(seen);
     app.add_option("--spp", options.spp,
@@ -164,6 +169,30 @@ void check_view(const CLI::App& app, Options& options, const Texts& texts) {
             "--fov: an angle between 0 and 180 degrees");
 }
 
+void check_sky(const CLI::App& app, Options& options, const Texts& texts) {
+    if (app.count("--sky")) {
+        const std::optional<std::vector<double>> color = parse_numbers(texts.sky, 3);
+        options.sky = texts.sky == "physical" ? Sky::kPhysical
+                      : texts.sky == "plain"  ? Sky::kPlain
+                      : color                 ? Sky::kColor
+                                              : Sky::kFile;
+        options.sky_file = texts.sky;
+        if (color) {
+            options.sky_color = {(*color)[0], (*color)[1], (*color)[2]};
+            for (const double c : *color)
+                require(c >= 0.0 && c <= 1e6, fmt::format("--sky {}: light is a number from 0 to 1e6", texts.sky));
+        }
+    }
+    if (app.count("--sun")) {
+        const std::optional<std::vector<double>> angles = parse_numbers(texts.sun, 2);
+        require(angles && std::abs((*angles)[0]) <= 90.0 && std::abs((*angles)[1]) <= 360.0,
+                fmt::format("--sun {}: give UP,ROUND in degrees, -90 to 90 and -360 to 360, such as 30,120", texts.sun));
+        require(!app.count("--sky") || options.sky == Sky::kPhysical, "--sun is the physical sky's: give --sky physical");
+        options.sky = Sky::kPhysical;
+        options.sun = {(*angles)[0], (*angles)[1]};
+    }
+}
+
 void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     if (app.count("--frames")) options.frames = parse_frames(texts.frames);
     if (app.count("--shard")) options.shard = parse_shard(texts.shard);
@@ -214,6 +243,7 @@ std::optional<Options> parse_options(int argc, char** argv) {
     require(options.threads >= 0 && options.threads <= 1024, "--threads: a number from 0 (all) to 1024");
     require(options.screenshot_after_s >= 0.0 && options.screenshot_after_s <= 3600.0, "--after: a number from 0 to 3600");
     check_view(app, options, texts);
+    check_sky(app, options, texts);
     check_pictures(app, options, texts);
     require(!options.screenshot || !options.is_headless, "--screenshot is of the window; it does not go with --headless");
     return options;

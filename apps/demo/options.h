@@ -5,13 +5,19 @@
 #include <optional>
 #include <string>
 
+#include <glm/vec2.hpp>
+
 #include "apps/common/numbered_path.h"
 #include "apps/common/parse.h"
 #include "engine/bvh/cache.h"
 #include "engine/render/environment.h"
 #include "engine/render/path.h"
+#include "engine/render/physical_sky.h"
 
 namespace zoe {
+
+/// What lights a scene from all around. kByLights: see choose_sky.
+enum class Sky : uint8_t { kByLights, kPhysical, kPlain, kColor, kFile };
 
 /// What the command line asks for, checked as far as it can be without the scene.
 struct Options {
@@ -35,8 +41,11 @@ struct Options {
     std::optional<int> spp;
     Shade shade = Shade::kPath;
     Grade grade;
-    std::optional<std::string> sky;                  ///< A file that lights the scene ...
-    std::shared_ptr<const Environment> environment;  ///< ... and what it holds, once it was read.
+    Sky sky = Sky::kByLights;
+    std::string sky_file;
+    glm::dvec3 sky_color{0.0};
+    glm::dvec2 sun{kSunElevation, kSunAzimuth};      ///< Of the physical sky: above the horizon, round from -Z; degrees.
+    std::shared_ptr<const Environment> environment;  ///< What lights the scene, once it was opened.
 
     NumberedPath out{"out/frame_%04d.png"};
     std::optional<std::string> stats, trace;  ///< Files to write.

@@ -40,19 +40,19 @@ struct Between {
 
 Between between(float x) {
     const float scaled = std::clamp(x, 0.0f, 1.0f) * (kSize - 1);
-    const float first = std::min(std::floor(scaled), static_cast<float>(kSize - 2));
-    return {static_cast<size_t>(first), scaled - first};
-}
-
-template <typename T, typename Mix>
-auto look_up(const Table<T>& table, float cosine, float roughness, Mix&& mix) {
-    const Between r = between(roughness), c = between(std::sqrt(std::max(cosine, 0.0f)));
-    const auto &low = table.at[r.first], &high = table.at[r.first + 1];
-    return mix(mix(low[c.first], low[c.first + 1], c.rest), mix(high[c.first], high[c.first + 1], c.rest), r.rest);
+    const int first = std::min(static_cast<int>(scaled), kSize - 2);
+    return {static_cast<size_t>(first), scaled - static_cast<float>(first)};
 }
 
 Albedo mix_albedo(const Albedo& a, const Albedo& b, float t) {
     return {glm::mix(a.all, b.all, t), glm::mix(a.edge, b.edge, t)};
+}
+
+/// Between two rows, and between two entries of each.
+template <typename T, typename Mix>
+T look_up(const T* low, const T* high, float rest, float cosine, Mix&& mix) {
+    const Between c = between(std::sqrt(std::max(cosine, 0.0f)));
+    return mix(mix(low[c.first], low[c.first + 1], c.rest), mix(high[c.first], high[c.first + 1], c.rest), rest);
 }
 
 glm::vec3 direction_of(float cosine) {
@@ -114,10 +114,12 @@ struct GgxTables {
 
     GgxTables() {
         for (int r = 0; r < kSize; ++r) {
+            const Between rows = between(roughness_of(r));
+            const Albedo *const low = albedo.at[rows.first].data(), *const high = albedo.at[rows.first + 1].data();
             double all = 0.0, edge = 0.0;
             for (int i = 0; i < kMeanSteps; ++i) {
                 const float cosine = (static_cast<float>(i) + 0.5f) / kMeanSteps;
-                const Albedo at = look_up(albedo, cosine, roughness_of(r), &mix_albedo);
+                const Albedo at = look_up(low, high, rows.rest, cosine, &mix_albedo);
                 all += static_cast<double>(at.all * 2.0f * cosine);
                 edge += static_cast<double>(at.edge * 2.0f * cosine);
             }
@@ -138,19 +140,24 @@ const Table<float>& sheen_table() {
 
 }  // namespace
 
-Albedo ggx_albedo(float cosine, float roughness) {
-    return look_up(ggx_tables().albedo, cosine, roughness, &mix_albedo);
+GgxAlbedo::GgxAlbedo(float roughness) {
+    const GgxTables& tables = ggx_tables();
+    const Between r = between(roughness);
+    smoother_ = tables.albedo.at[r.first].data();
+    rougher_ = tables.albedo.at[r.first + 1].data();
+    rest_ = r.rest;
+    mean_ = mix_albedo(tables.mean[r.first], tables.mean[r.first + 1], r.rest);
 }
 
-Albedo mean_ggx_albedo(float roughness) {
-    const Between r = between(roughness);
-    const std::array<Albedo, kSize>& mean = ggx_tables().mean;
-    return mix_albedo(mean[r.first], mean[r.first + 1], r.rest);
+Albedo GgxAlbedo::at(float cosine) const {
+    return look_up(smoother_, rougher_, rest_, cosine, &mix_albedo);
 }
 
 float sheen_albedo(float cosine, float roughness) {
     const auto mix = [](float a, float b, float t) { return glm::mix(a, b, t); };
-    return std::min(look_up(sheen_table(), cosine, roughness, mix) * sheen_scale(roughness), 1.0f);
+    const Between r = between(roughness);
+    const float *const smoother = sheen_table().at[r.first].data(), *const rougher = sheen_table().at[r.first + 1].data();
+    return std::min(look_up(smoother, rougher, r.rest, cosine, mix) * sheen_scale(roughness), 1.0f);
 }
 
 float sheen_scale(float roughness) {

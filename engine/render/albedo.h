@@ -9,12 +9,27 @@ struct Albedo {
     float edge = 0.0f;  ///< The part that (1 - cosine)^5 weighs.
 };
 
-/// For light at a cosine to the normal; both in [0, 1].
-/// Cost       four reads of a table that the first call makes: about 40 ms. The same numbers on any number of threads.
-Albedo ggx_albedo(float cosine, float roughness);
+/// Of facets of one roughness. The tables behind it are made by the first one that is made: about 40 ms, the same numbers on
+/// any number of threads.
+class GgxAlbedo {
+public:
+    /// Facets that reflect all: of no use but to be replaced.
+    GgxAlbedo() = default;
+    /// roughness  in [0, 1].
+    explicit GgxAlbedo(float roughness);
 
-/// For light from everywhere.
-Albedo mean_ggx_albedo(float roughness);
+    /// For light at a cosine to the normal, in [0, 1].
+    /// Requires   one that was made for a roughness.
+    /// Cost       four reads of a table.
+    Albedo at(float cosine) const;
+    /// For light from everywhere.
+    const Albedo& mean() const { return mean_; }
+
+private:
+    const Albedo *smoother_ = nullptr, *rougher_ = nullptr;  // rows of the table, over the root of the cosine
+    float rest_ = 0.0f;                                      // from the one to the other
+    Albedo mean_;
+};
 
 /// What of its nominal strength is left of sheen, so that even at grazing angles no more comes out than went in.
 float sheen_scale(float roughness);

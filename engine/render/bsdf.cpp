@@ -21,8 +21,8 @@ glm::vec3 seen(const glm::vec3& normal, const glm::vec3& to_viewer) {
     return along >= kLeastCosine ? normal : glm::normalize(normal + (kLeastCosine - along) * to_viewer);
 }
 
-float coat_albedo(float cosine, float roughness) {
-    const Albedo at = ggx_albedo(cosine, roughness);
+float coat_albedo(float cosine, const GgxAlbedo& albedo) {
+    const Albedo at = albedo.at(cosine);
     return kCoatF0 * (at.all - at.edge) + at.edge;
 }
 
@@ -57,12 +57,18 @@ Bsdf::Bsdf(const Surface& surface, const glm::vec3& to_viewer)
     const float cosine = frame_.viewer.z;
     float reflected = 0.0f;
     if (has_facets_) {
-        const Albedo at = ggx_albedo(cosine, surface.roughness), mean = mean_ggx_albedo(surface.roughness);
+        albedo_ = GgxAlbedo(surface.roughness);
+        const Albedo at = albedo_.at(cosine), &mean = albedo_.mean();
         dielectric_ = Dielectric(surface, mean);
         hidden_ = ggx_hidden(frame_.viewer, alpha_);
-        f0_ = glm::mix(dielectric_.f0, surface.base_color, surface.metallic);
-        f90_ = glm::mix(dielectric_.f90, 1.0f, surface.metallic);
-        between_ = glm::mix(dielectric_.between, between_facets(surface.base_color, 1.0f, mean), surface.metallic);
+        f0_ = dielectric_.f0;
+        f90_ = dielectric_.f90;
+        between_ = dielectric_.between;
+        if (surface.metallic > 0.0f) {
+            f0_ = glm::mix(f0_, surface.base_color, surface.metallic);
+            f90_ = glm::mix(f90_, 1.0f, surface.metallic);
+            between_ = glm::mix(between_, between_facets(surface.base_color, 1.0f, mean), surface.metallic);
+        }
         lost_ = 1.0f - at.all;
         mean_lost_ = std::max(1.0f - mean.all, 1e-6f);
         under_ = dielectric_.goes_under(at);
@@ -75,7 +81,10 @@ Bsdf::Bsdf(const Surface& surface, const glm::vec3& to_viewer)
     if (largest(surface.sheen_color) > 0.0f) {
         sheen_ = largest(surface.sheen_color) * sheen_albedo(std::max(cosine, 0.0f), surface.sheen_roughness);
     }
-    if (surface.coat > 0.0f) coat_ = surface.coat * coat_albedo(coat_frame_.viewer.z, surface.coat_roughness);
+    if (surface.coat > 0.0f) {
+        coat_table_ = GgxAlbedo(surface.coat_roughness);
+        coat_ = surface.coat * coat_albedo(coat_frame_.viewer.z, coat_table_);
+    }
 
     const float left = 1.0f - coat_;
     share_[kDiffuse] = left * (largest(diffuse_) * under_ + largest(between_) * lost_ + sheen_);
@@ -100,7 +109,7 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
         result.density = share_[kDiffuse] * diffuse_density;
         glm::vec3 color = diffuse_;
         if (has_facets_) {
-            const Albedo at = ggx_albedo(light.z, surface_.roughness);
+            const Albedo at = albedo_.at(light.z);
             color *= under_ * dielectric_.goes_under(at) / mean_under_;
             color += between_ * (lost_ * (1.0f - at.all) / mean_lost_);
         }
@@ -124,8 +133,7 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
     if (surface_.coat > 0.0f) {
         const glm::vec3& viewer = coat_frame_.viewer;
         const glm::vec3 coat_light = coat_frame_.to_local(to_light);
-        result.value *=
-            under_layers(coat_, surface_.coat * coat_albedo(std::max(coat_light.z, 0.0f), surface_.coat_roughness));
+        result.value *= under_layers(coat_, surface_.coat * coat_albedo(std::max(coat_light.z, 0.0f), coat_table_));
         if (coat_light.z > 0.0f) {
             const glm::vec3 half = glm::normalize(viewer + coat_light);
             const float density = ggx_density(half, coat_alpha_) / (4.0f * viewer.z);
@@ -218,14 +226,14 @@ glm::vec3 passes_straight(const Surface& surface, const glm::vec3& to_viewer) {
     glm::vec3 passes = surface.base_color * ((1.0f - surface.metallic) * surface.transmission);
     const float cosine = std::max(glm::dot(surface.ns, to_viewer), kLeastCosine);
     if (has_facets(surface)) {
-        const Dielectric dielectric(surface, mean_ggx_albedo(surface.roughness));
-        passes *= dielectric.goes_under(ggx_albedo(cosine, surface.roughness));
+        const GgxAlbedo albedo(surface.roughness);
+        passes *= Dielectric(surface, albedo.mean()).goes_under(albedo.at(cosine));
     }
     if (largest(surface.sheen_color) > 0.0f)
         passes *= 1.0f - largest(surface.sheen_color) * sheen_albedo(cosine, surface.sheen_roughness);
     if (surface.coat > 0.0f) {
         passes *= 1.0f - surface.coat * coat_albedo(std::max(glm::dot(surface.coat_ns, to_viewer), kLeastCosine),
-                                                    surface.coat_roughness);
+                                                    GgxAlbedo(surface.coat_roughness));
     }
     return passes;
 }

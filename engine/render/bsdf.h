@@ -80,6 +80,7 @@ private:
     float total_weight_ = 0.0f;
     float share_[kLobeCount] = {};  // of samples
     bool has_facets_ = false;       // else the surface is diffuse only
+    GgxAlbedo albedo_, coat_table_;
     Dielectric dielectric_;
     float hidden_ = 0.0f;  // of its facets, from the viewer; see ggx_hidden
     glm::vec3 f0_{0.0f};   // of metal and dielectric together

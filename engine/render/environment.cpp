@@ -49,7 +49,8 @@ size_t find(const float* sums, size_t count, float share, float* within) {
 
 }  // namespace
 
-Environment::Environment(const FloatImage& picture) : width_(picture.width), height_(picture.height) {
+Environment::Environment(const FloatImage& picture, const Sun& sun)
+    : width_(picture.width), height_(picture.height), sun_(sun) {
     const glm::ivec3 channel = find_channels(picture);
     const size_t stride = picture.channels.size(), pixel_count = static_cast<size_t>(width_) * static_cast<size_t>(height_);
     pixels_.resize(pixel_count);

@@ -7,6 +7,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/render/sun.h"
+
 namespace zoe {
 
 struct FloatImage;
@@ -18,10 +20,11 @@ public:
     /// picture    channels R, G, B, or one for grey. Values below 0 and NaN count as 0, those above 1e6 as 1e6; rows of
     /// pixels
     ///            are twice as long as columns, or the picture is stretched.
+    /// sun        what is too small for pixels.
     /// Throws     std::runtime_error where it has no such channels.
-    explicit Environment(const FloatImage& picture);
+    explicit Environment(const FloatImage& picture, const Sun& sun = {});
 
-    /// From a unit direction; between the centres of pixels it is blended.
+    /// From a unit direction, without the sun; between the centres of pixels it is blended.
     glm::vec3 radiance(const glm::vec3& direction) const;
 
     /// A unit direction, by the brightness of pixels and their solid angle.
@@ -29,6 +32,8 @@ public:
     glm::vec3 sample(const glm::vec2& u) const;
     /// The density of `sample`, per steradian; 0 where the picture is black.
     float density(const glm::vec3& direction) const;
+
+    const Sun& sun() const { return sun_; }
 
     uint64_t repaired_count() const { return repaired_count_; }  ///< Pixels with a value that was brought into range.
 
@@ -43,6 +48,7 @@ private:
     std::vector<float> rows_;        // [height] sums of weights up to the row's end, over all
     std::vector<float> columns_;     // [height * width] within the row
     double total_ = 0.0;             // sum of weights
+    Sun sun_;
 };
 
 /// Reads an environment from a file that OpenImageIO can read (HDR, EXR, ...).

@@ -6,19 +6,12 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
-#include <glm/gtc/constants.hpp>
 
 #include "engine/render/direction.h"
 
 namespace zoe {
 
 namespace {
-
-/// 1 - cos of the sun's angular radius, without the cancellation.
-float sun_cap() {
-    const float s = std::sin(0.5f * kSunRadius);
-    return 2.0f * s * s;
-}
 
 /// A light's place, axis and strength from its node.
 PunctualLight place(const Light& light, const Affine& world_from_light) {
@@ -45,19 +38,13 @@ glm::vec3 default_sky(const glm::vec3& direction) {
     return glm::mix(ground, above, glm::smoothstep(-0.03f, 0.01f, up));
 }
 
-glm::vec3 sun_direction() {
-    return glm::normalize(glm::vec3(0.45f, 0.75f, 0.5f));
+Sun default_sun() {
+    return {glm::normalize(glm::vec3(0.45f, 0.75f, 0.5f)), {2.6f, 2.45f, 2.2f}, 2.0f * kSunRadius};
 }
 
 glm::vec3 Lighting::sky(const glm::vec3& direction) const {
     if (uniform_sky) return *uniform_sky;
     return sky_strength * (environment != nullptr ? environment->radiance(direction) : default_sky(direction));
-}
-
-glm::vec3 Lighting::sun(const glm::vec3& direction) const {
-    const glm::vec3 apart = direction - sun_direction();
-    // |a - b|^2 = 2 (1 - cos) for unit vectors: exact for small angles, where the cosine is not.
-    return glm::dot(apart, apart) <= 2.0f * sun_cap() ? sun_radiance : glm::vec3(0.0f);
 }
 
 void gather_lights(const Scene& scene, const RenderConfig& config, Lighting* lighting) {
@@ -76,9 +63,8 @@ void gather_lights(const Scene& scene, const RenderConfig& config, Lighting* lig
     lighting->uniform_sky = config.uniform_sky;
     lighting->sky_strength = config.sky_strength;
     lighting->environment = config.uniform_sky ? nullptr : config.environment;
-    const bool has_sun = !config.uniform_sky && config.environment == nullptr;
-    lighting->sun_irradiance = has_sun ? config.sun_strength * kSunIrradiance : glm::vec3(0.0f);
-    lighting->sun_radiance = lighting->sun_irradiance * sun_density();
+    const Sun sun = config.environment != nullptr ? config.environment->sun() : default_sun();
+    lighting->sun = config.uniform_sky ? Sun() : sun.times(config.sun_strength);
 }
 
 Illumination illuminate(const PunctualLight& light, const glm::vec3& point) {
@@ -98,21 +84,6 @@ Illumination illuminate(const PunctualLight& light, const glm::vec3& point) {
     }
     if (!std::isfinite(share)) return {};
     return {toward, light.intensity * share};
-}
-
-float sun_density() {
-    return 1.0f / (glm::two_pi<float>() * sun_cap());
-}
-
-glm::vec3 sample_sun(const glm::vec2& u) {
-    const float height = u.x * sun_cap();  // 1 - cos
-    const float radius = std::sqrt(std::max(0.0f, height * (2.0f - height)));
-    const float angle = glm::two_pi<float>() * u.y;
-    glm::vec3 tangent, bitangent;
-    const glm::vec3 centre = sun_direction();
-    make_frame(centre, &tangent, &bitangent);
-    return glm::normalize(radius * std::cos(angle) * tangent + radius * std::sin(angle) * bitangent +
-                          (1.0f - height) * centre);
 }
 
 }  // namespace zoe

@@ -14,10 +14,8 @@ namespace zoe {
 /// The sky: a clear day's gradient above, plain ground below, in units where a sunlit white wall is about 1.
 glm::vec3 default_sky(const glm::vec3& direction);
 
-/// The default sun.
-inline constexpr glm::vec3 kSunIrradiance{2.6f, 2.45f, 2.2f};  ///< On a surface that faces it.
-inline constexpr float kSunRadius = 0.0093f;  ///< Radians; twice the real one: soft edges that a video keeps.
-glm::vec3 sun_direction();                    ///< Towards the sun's centre.
+/// The sun in it; twice as wide as the real one: soft edges that a video keeps.
+Sun default_sun();
 
 /// A punctual light of the scene in the world.
 struct PunctualLight {
@@ -38,16 +36,13 @@ struct Illumination {
 /// Everything that lights a frame, besides its emissive surfaces.
 struct Lighting {
     std::vector<PunctualLight> lights;
-    glm::vec3 sun_irradiance{0.0f};
-    glm::vec3 sun_radiance{0.0f};  ///< Of the disc, which camera rays see.
+    Sun sun;  ///< Of the environment, or the default one.
     float sky_strength = 1.0f;
     std::optional<glm::vec3> uniform_sky;
     const Environment* environment = nullptr;
 
     /// The sky without its sun.
     glm::vec3 sky(const glm::vec3& direction) const;
-    /// The sun's radiance in a direction: zero beside its disc.
-    glm::vec3 sun(const glm::vec3& direction) const;
 };
 
 /// Collects the lights of the shown nodes, at the last `advance`. Lights without a finite place and direction shine nothing.
@@ -56,11 +51,6 @@ void gather_lights(const Scene& scene, const RenderConfig& config, Lighting* lig
 /// Light of one punctual light at a point. Zero outside range and cone, and at the light itself.
 /// Source     KHR_lights_punctual, with its recommended range window and angular attenuation.
 Illumination illuminate(const PunctualLight& light, const glm::vec3& point);
-
-/// A unit direction into the sun's disc, uniform over its solid angle.
-glm::vec3 sample_sun(const glm::vec2& u);
-/// The density of `sample_sun` in the disc, per steradian.
-float sun_density();
 
 /// The weight of a sample whose direction has some density, where another way would have found it with another density: the
 /// weights of both ways add up to 1.

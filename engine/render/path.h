@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -17,13 +18,18 @@ class Environment;  // engine/render/environment.h
 enum class Shade : uint8_t { kPath, kAlbedo, kNormal, kMotion, kCost };
 std::optional<Shade> shade_from_name(std::string_view name);
 
+/// Which of two ways finds the light of lamps, suns and environments: rays towards them, bounces that happen to meet them,
+/// or both, each by what it is better at. The mean is the same.
+enum class LightSearch : uint8_t { kBoth, kLights, kBounces };
+
 struct RenderConfig {
     Shade shade = Shade::kPath;
     int max_bounces = 4;                        ///< After the first hit. Chart `picture`.
-    float sun_strength = 1.0f;                  ///< Times the default sun; 0 for none.
-    float sky_strength = 1.0f;                  ///< Times the default sky; 0 for a black one.
+    float sun_strength = 1.0f;                  ///< Times the sun; 0 for none.
+    float sky_strength = 1.0f;                  ///< Times the sky without its sun; 0 for a black one.
     std::optional<glm::vec3> uniform_sky;       ///< Radiance of a sky of one colour, and no sun: a furnace.
-    const Environment* environment = nullptr;   ///< Instead of sky and sun, times sky_strength; outlives the render.
+    const Environment* environment = nullptr;   ///< Instead of the default sky and sun; outlives the render.
+    LightSearch search = LightSearch::kBoth;    ///< Chart `lights`.
     bool is_jittered = true;                    ///< Else all rays go through pixel centres, as the first sample's always do.
     const std::atomic<bool>* cancel = nullptr;  ///< Set by another thread to leave early; the film is then not changed.
 };

@@ -108,33 +108,33 @@ float area_of(const glm::vec2& a, const glm::vec2& b) {
     return std::abs(a.x * b.y - b.x * a.y);
 }
 
-/// Looks textures up where a triangle was hit.
+/// Looks textures up where a triangle was hit. Most materials have few: what a lookup needs is worked out by it.
 class Lookup {
 public:
     /// width      of the ray's cone on the surface, metres.
-    Lookup(const Scene& scene, const Instance& instance, const Corners& corners, float width) : scene_(scene) {
-        const Mesh& mesh = *instance.mesh;
-        const glm::uvec3& v = corners.vertex;
-        for (size_t set = 0; set < 2; ++set) {
-            const std::vector<glm::vec2>& uvs = mesh.uvs[set];
-            if (uvs.size() != instance.positions.size()) continue;
-            uv_[set] = interpolate(uvs, corners);
-            if (!(width > 0.0f) || !(corners.area > 0.0f)) continue;
-            width_[set] = width * std::sqrt(area_of(uvs[v.y] - uvs[v.x], uvs[v.z] - uvs[v.x]) / corners.area);
-        }
-    }
+    Lookup(const Scene& scene, const Instance& instance, const Corners& corners, float width)
+        : scene_(scene), instance_(instance), corners_(corners), width_(width) {}
     glm::vec4 color(const TextureRef& ref, bool is_sharp = false) const { return at(ref, Texels::kColors, is_sharp); }
     glm::vec4 numbers(const TextureRef& ref) const { return at(ref, Texels::kNumbers, false); }
     bool has(const TextureRef& ref) const { return has_pixels(scene_.images, ref); }
 
 private:
     glm::vec4 at(const TextureRef& ref, Texels texels, bool is_sharp) const {
-        const size_t set = ref.uv_set & 1;
-        return sample_texture(scene_.images, ref, uv_[set], is_sharp ? 0.0f : width_[set], texels);
+        if (ref.image == kNone<ImageId>) return glm::vec4(1.0f);
+        const std::vector<glm::vec2>& uvs = instance_.mesh->uvs[ref.uv_set & 1];
+        if (uvs.size() != instance_.positions.size())
+            return sample_texture(scene_.images, ref, glm::vec2(0.0f), 0.0f, texels);
+        float uv_width = 0.0f;
+        if (!is_sharp && width_ > 0.0f && corners_.area > 0.0f) {
+            const glm::uvec3& v = corners_.vertex;
+            uv_width = width_ * std::sqrt(area_of(uvs[v.y] - uvs[v.x], uvs[v.z] - uvs[v.x]) / corners_.area);
+        }
+        return sample_texture(scene_.images, ref, interpolate(uvs, corners_), uv_width, texels);
     }
     const Scene& scene_;
-    glm::vec2 uv_[2] = {glm::vec2(0.0f), glm::vec2(0.0f)};
-    float width_[2] = {0.0f, 0.0f};
+    const Instance& instance_;
+    const Corners& corners_;
+    float width_;
 };
 
 /// A normal texture's normal in the world; on the side of the geometric normal `front`, at most as far over as the plane.
@@ -159,21 +159,20 @@ glm::vec3 smooth_normal(const Instance& instance, const Corners& corners, const 
     return glm::dot(normal, front) < 0.0f ? -normal : normal;
 }
 
-void set_normals(const Instance& instance, const Corners& corners, const Lookup& lookup, const Material& material,
-                 const glm::vec3& toward_viewer, float side, Surface* surface) {
-    // The mesh's front, on which its normals and tangents are meant; `side` of it is the world's winding.
+/// The mesh's front, on which its normals and tangents are meant. side       of the world's winding.
+glm::vec3 front_of(const Corners& corners, const glm::vec3& toward_viewer, float side) {
     const bool has_area = corners.normal != glm::vec3(0.0f);
-    const glm::vec3 front = has_area ? side * corners.normal : unit_or(toward_viewer, glm::vec3(0, 0, 1));
+    return has_area ? side * corners.normal : unit_or(toward_viewer, glm::vec3(0, 0, 1));
+}
+
+/// On the front.
+void set_shading_normals(const Instance& instance, const Corners& corners, const Lookup& lookup, const Material& material,
+                         const glm::vec3& front, Surface* surface) {
     const glm::vec3 smooth = smooth_normal(instance, corners, front);
-    surface->ng = front;
     surface->ns = bend(instance, corners, lookup, material.normal_texture, material.normal_scale, smooth, front);
     surface->coat_ns = surface->coat > 0.0f ? bend(instance, corners, lookup, material.coat_normal_texture,
                                                    material.coat_normal_scale, smooth, front)
                                             : surface->ns;
-    if (glm::dot(front, toward_viewer) >= 0.0f) return;
-    surface->ng = -surface->ng;
-    surface->ns = -surface->ns;
-    surface->coat_ns = -surface->coat_ns;
 }
 
 float unit(float x) {
@@ -211,7 +210,8 @@ const Material kDefaultMaterial;
 
 }  // namespace
 
-Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone) {
+Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone,
+                   Detail detail) {
     const Instance& instance = tlas[hit.node];
     const Mesh& mesh = *instance.mesh;
     const Corners corners = corners_of(instance, hit);
@@ -243,7 +243,8 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     if (material.emission != glm::vec3(0.0f)) {
         surface.emission = material.emission * glm::vec3(lookup.color(material.emission_texture));
     }
-    set_scattering(material, lookup, &surface);
+    const bool is_whole = detail == Detail::kAll || material.transmission > 0.0f;
+    if (is_whole) set_scattering(material, lookup, &surface);
 
     const bool is_mirrored = has_mirror(scene, hit.node);
     surface.is_inside = !is_front(is_mirrored, corners, ray.direction);
@@ -251,7 +252,14 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     if (!material.is_double_sided && !surface.is_body()) {
         (surface.is_inside ? surface.opacity : surface.light_opacity) = 0.0f;
     }
-    set_normals(instance, corners, lookup, material, -ray.direction, is_mirrored ? -1.0f : 1.0f, &surface);
+    const glm::vec3 front = front_of(corners, -ray.direction, is_mirrored ? -1.0f : 1.0f);
+    surface.ng = front;
+    if (is_whole) set_shading_normals(instance, corners, lookup, material, front, &surface);
+    if (glm::dot(front, ray.direction) > 0.0f) {
+        surface.ng = -surface.ng;
+        surface.ns = -surface.ns;
+        surface.coat_ns = -surface.coat_ns;
+    }
     return surface;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <glm/vec3.hpp>
 
 #include "engine/frame/trace.h"
@@ -45,6 +47,12 @@ struct RayCone {
     float spread = 0.0f;  ///< What it gains a metre.
 };
 
+/// How much of a surface is worked out.
+enum class Detail : uint8_t {
+    kAll,
+    kLight,  ///< What it emits and what it lets pass straight; how it scatters, and its shading normals, only for that.
+};
+
 /// The surface under a hit. Of glTF's default material where it has none.
 ///
 /// A single-sided material is there only for what arrives at its front, from where its corners run counter-clockwise (or
@@ -57,7 +65,8 @@ struct RayCone {
 /// A material with a volume has two sides whatever it says: its inside has to be seen.
 /// cone       how finely textures are looked up; the holes of alpha masks are always sharp.
 /// Requires   hit, and that the ray is the one that hit, in the last frame that was made of the scene.
-Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone = {});
+Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone = {},
+                   Detail detail = Detail::kAll);
 
 /// An origin for a ray that leaves a surface in a direction: outside by more than all rounding that separates `position`
 /// from the triangle as the ray will see it, so that the ray cannot hit what it leaves.

@@ -190,7 +190,7 @@ void TileTracer::look_through_shadows(uint32_t bounce) {
                 paths_[shadows_.paths[i]].radiance += radiance;
                 continue;
             }
-            const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i]);
+            const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i], {}, Detail::kLight);
             const Toward toward = shadows_.toward[i];
             const float opacity = toward == Toward::kLight ? surface.light_opacity : surface.opacity;
             const glm::vec3 passes = passing_share(surface, opacity, -ray.direction);

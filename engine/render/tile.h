@@ -78,6 +78,14 @@ private:
         void push(const Ray& ray, uint32_t path, const glm::vec3& radiance, Toward toward);
     };
 
+    /// What a punctual light would bring if nothing were in its way.
+    struct Offer {
+        const PunctualLight* light;
+        glm::vec3 toward;
+        glm::vec3 radiance;
+        float weight;  // its strongest colour; above 0
+    };
+
     Ray pixel_ray(size_t pixel, const glm::vec2& within) const;
     void start_paths(const Tile& tile, uint32_t sample);
     void record_layers(const Rays& batch);
@@ -95,6 +103,8 @@ private:
     void add_environment(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
     void add_punctual_light(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
     void add_glow(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    float weight_of_light(float density, float other) const;
+    float weight_of_bounce(float density, float other) const;
     float density_seen(const Surface& lamp, const glm::vec3& from, const glm::vec3& toward) const;
     float glow_weight(const Surface& surface, const Ray& ray, const Path& path) const;
     void add_shadow(const Surface& surface, const Ray& ray, uint32_t path, const glm::vec3& radiance,
@@ -111,6 +121,7 @@ private:
     std::vector<uint8_t> is_hit_;
     Rays current_, passing_, next_;
     Shadows shadows_, onward_;
+    std::vector<Offer> offers_;
 };
 
 }  // namespace zoe

@@ -20,14 +20,30 @@ glm::vec3 point_of(const Instance& instance, const Hit& hit) {
 
 }  // namespace
 
+/// The weight of what a ray towards a light brings.
+/// other      the density by which a bounce finds it.
+float TileTracer::weight_of_light(float density, float other) const {
+    const LightSearch search = pass_->config.search;
+    if (search == LightSearch::kBoth) return weight_of(density, other);
+    return search == LightSearch::kLights || !(other > 0.0f) ? 1.0f : 0.0f;
+}
+
+/// The weight of what a bounce brings.
+/// other      the density by which a ray towards a light finds it.
+float TileTracer::weight_of_bounce(float density, float other) const {
+    const LightSearch search = pass_->config.search;
+    if (search == LightSearch::kBoth) return weight_of(density, other);
+    return search == LightSearch::kBounces || !(other > 0.0f) ? 1.0f : 0.0f;
+}
+
 void TileTracer::add_sun(const Surface& surface, const Bsdf& bsdf, uint32_t path_index, uint32_t bounce) {
-    const glm::vec3& irradiance = pass_->lighting.sun_irradiance;
-    if (irradiance == glm::vec3(0.0f)) return;
-    const glm::vec3 toward = sample_sun(uniform_2d(paths_[path_index].key, dimension(Use::kSun, bounce)));
+    const Sun& sun = pass_->lighting.sun;
+    if (sun.is_dark()) return;
+    const glm::vec3 toward = sun.sample(uniform_2d(paths_[path_index].key, dimension(Use::kSun, bounce)));
     const Bsdf::Value scattered = bsdf.evaluate(toward);
-    const float weight = is_last(bounce) ? 1.0f : weight_of(sun_density(), scattered.density);
+    const float weight = is_last(bounce) ? 1.0f : weight_of_light(sun.density(), scattered.density);
     add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index,
-               irradiance * scattered.value * (weight * past_terminator(surface, toward)));
+               sun.irradiance() * scattered.value * (weight * past_terminator(surface, toward)));
 }
 
 /// Looks for light of an environment where it is bright. Only where a bounce may find it, too.
@@ -38,7 +54,7 @@ void TileTracer::add_environment(const Surface& surface, const Bsdf& bsdf, uint3
     const float density = environment->density(toward);
     const Bsdf::Value scattered = bsdf.evaluate(toward);
     if (!(density > 0.0f) || !(largest(scattered.value) > 0.0f)) return;
-    const float weight = weight_of(density, scattered.density) / density;
+    const float weight = weight_of_light(density, scattered.density) / density;
     add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index,
                pass_->lighting.sky(toward) * scattered.value * weight);
 }
@@ -46,35 +62,32 @@ void TileTracer::add_environment(const Surface& surface, const Bsdf& bsdf, uint3
 /// Picks one light with a probability proportional to what it would bring unshadowed: a single light brings its exact
 /// value, and many cost one ray.
 void TileTracer::add_punctual_light(const Surface& surface, const Bsdf& bsdf, uint32_t path_index, uint32_t bounce) {
-    const auto& lights = pass_->lighting.lights;
-    const auto brings = [&](const PunctualLight& light, glm::vec3* toward) {
-        const Illumination at = illuminate(light, surface.position);
-        *toward = at.toward;
-        return at.irradiance == glm::vec3(0.0f)
-                   ? glm::vec3(0.0f)
-                   : at.irradiance * bsdf.evaluate(at.toward).value * past_terminator(surface, at.toward);
-    };
-    glm::vec3 toward;
+    offers_.clear();
     float total = 0.0f;
-    for (const PunctualLight& light : lights) total += largest(brings(light, &toward));
+    for (const PunctualLight& light : pass_->lighting.lights) {
+        const Illumination at = illuminate(light, surface.position);
+        glm::vec3 radiance(0.0f);
+        if (at.irradiance != glm::vec3(0.0f))
+            radiance = at.irradiance * bsdf.evaluate(at.toward).value * past_terminator(surface, at.toward);
+        const float weight = largest(radiance);
+        total += weight;
+        if (weight > 0.0f) offers_.push_back({&light, at.toward, radiance, weight});
+    }
     if (!(total > 0.0f) || !std::isfinite(total)) return;
 
     float left = total * uniform_1d(paths_[path_index].key, dimension(Use::kLight, bounce));
-    const PunctualLight* chosen = nullptr;
-    for (const PunctualLight& light : lights) {
-        const float weight = largest(brings(light, &toward));
-        if (!(weight > 0.0f)) continue;
-        chosen = &light;  // The last that brings anything stands in for what rounding leaves over.
-        left -= weight;
+    const Offer* chosen = nullptr;
+    for (const Offer& offer : offers_) {
+        chosen = &offer;  // The last stands in for what rounding leaves over.
+        left -= offer.weight;
         if (left < 0.0f) break;
     }
-    const glm::vec3 radiance = brings(*chosen, &toward);
-    Ray ray{.origin = leave(surface, toward), .direction = toward};
-    if (chosen->kind != LightKind::kDirectional) {
-        ray.direction = chosen->position - ray.origin;
+    Ray ray{.origin = leave(surface, chosen->toward), .direction = chosen->toward};
+    if (chosen->light->kind != LightKind::kDirectional) {
+        ray.direction = chosen->light->position - ray.origin;
         ray.t_max = 1.0f - 0x1p-20f;  // What holds the light at its very place does not shade it.
     }
-    add_shadow(surface, ray, path_index, radiance * (total / largest(radiance)));
+    add_shadow(surface, ray, path_index, chosen->radiance * (total / chosen->weight));
 }
 
 /// Looks for light of an emissive surface. Only where a bounce may find it, too, so that both ways see as far.
@@ -88,21 +101,23 @@ void TileTracer::add_glow(const Surface& surface, const Bsdf& bsdf, uint32_t pat
     const glm::vec3 toward = unit_or(rough, glm::vec3(0.0f));
     const Bsdf::Value scattered = bsdf.evaluate(toward);
     if (!(largest(scattered.value) > 0.0f)) return;
-    const Surface lamp = surface_at(pass_->scene, pass_->tlas, {.origin = surface.position, .direction = toward}, place);
+    const Surface lamp =
+        surface_at(pass_->scene, pass_->tlas, {.origin = surface.position, .direction = toward}, place, {}, Detail::kLight);
     const float density = density_seen(lamp, surface.position, toward);
     if (!(density > 0.0f) || !std::isfinite(density)) return;
     Ray ray{.origin = leave(surface, toward)};
     ray.direction = leave(lamp, -toward) - ray.origin;
     ray.t_max = 1.0f;
     const glm::vec3 radiance = lamp.emission * lamp.opacity * scattered.value;
-    add_shadow(surface, ray, path_index, radiance * (weight_of(density, scattered.density) / density), Toward::kSurface);
+    add_shadow(surface, ray, path_index, radiance * (weight_of_light(density, scattered.density) / density),
+               Toward::kSurface);
 }
 
 /// The weight of light that a path meets on a surface, which `add_glow` may have found before.
 float TileTracer::glow_weight(const Surface& surface, const Ray& ray, const Path& path) const {
     if (!(path.density > 0.0f) || surface.emission == glm::vec3(0.0f)) return 1.0f;
     const float density = density_seen(surface, path.from, ray.direction);
-    return std::isfinite(density) ? weight_of(path.density, density) : 0.0f;
+    return std::isfinite(density) ? weight_of_bounce(path.density, density) : 0.0f;
 }
 
 /// The density of `add_glow`, per steradian, for the direction in which a point sees a glowing surface.

@@ -81,12 +81,12 @@ void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hi
 glm::vec3 TileTracer::sky_seen(const Path& path, const glm::vec3& direction) const {
     const Lighting& lighting = pass_->lighting;
     glm::vec3 sky = lighting.sky(direction);
-    const glm::vec3 sun = lighting.sun(direction);
+    const glm::vec3 sun = lighting.sun.radiance(direction);
     if (lighting.environment != nullptr && path.density > 0.0f) {
-        sky *= weight_of(path.density, lighting.environment->density(direction));
+        sky *= weight_of_bounce(path.density, lighting.environment->density(direction));
     }
     if (sun == glm::vec3(0.0f)) return sky;
-    if (path.density > 0.0f) return sky + sun * weight_of(path.density, sun_density());
+    if (path.density > 0.0f) return sky + sun * weight_of_bounce(path.density, lighting.sun.density());
     return path.is_scattered ? sky : sky + sun;
 }
 

@@ -42,6 +42,8 @@ TEST(Parse, FramesSizesAndPoints) {
     EXPECT_EQ(parse_size("640x360").height, 360);
     EXPECT_EQ(parse_point("1,-2.5,3e1", "--eye"), glm::dvec3(1.0, -2.5, 30.0));
     EXPECT_EQ(parse_point("16777217.5,0,0", "--eye").x, 16777217.5) << "finer than a float";
+    EXPECT_EQ(parse_numbers("1,-2.5", 2), (std::vector<double>{1.0, -2.5}));
+    for (const char* const text : {"", "1", "1,", "1,2,3", "1,x", "1,nan", "sky.hdr"}) EXPECT_FALSE(parse_numbers(text, 2));
     EXPECT_THROW(parse_frames(""), UsageError);
     EXPECT_THROW(parse_frames("-"), UsageError);
     EXPECT_THROW(parse_frames("+1-2"), UsageError);

@@ -132,7 +132,7 @@ TEST(Light, TheSunBringsItsIrradianceTimesTheCosine) {
     config.sun_strength = 2.0f;
     config.max_bounces = 0;
     const glm::vec3 mean = mean_radiance(picture(floor.scene, floor.view, config, 16, 16, 16));
-    const glm::vec3 expected = kAlbedo / kPi * 2.0f * kSunIrradiance * sun_direction().y;
+    const glm::vec3 expected = kAlbedo / kPi * 2.0f * default_sun().irradiance() * default_sun().toward().y;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 1e-3f * expected[c]);
 }
 
@@ -141,13 +141,14 @@ TEST(Light, TheSunIsSeenByTheCameraAndBringsTheSameAsItsDiscWould) {
     RenderConfig config;
     config.sky_strength = 0.0f;
     // The disc fills 1/20 of the angle of view.
-    const float fov_degrees = glm::degrees(20.0f * 2.0f * kSunRadius);
-    const View view = look_at({0, 0, 0}, 10.0f * sun_direction(), fov_degrees, 1.0f);
+    const float fov_degrees = glm::degrees(20.0f * 2.0f * default_sun().radius());
+    const View view = look_at({0, 0, 0}, 10.0f * default_sun().toward(), fov_degrees, 1.0f);
     const Film film = picture(scene, view, config, 128, 128, 16);
     // Irradiance of the seen disc: radiance times the solid angle of each pixel (small angles; all near the axis).
     const float pixels = static_cast<float>(film.width * film.height);
     const float solid_angle = 4.0f * view.half_width * view.half_height / pixels;
-    EXPECT_NEAR(mean_radiance(film).g * pixels * solid_angle, kSunIrradiance.g, 0.03f * kSunIrradiance.g);
+    EXPECT_NEAR(mean_radiance(film).g * pixels * solid_angle, default_sun().irradiance().g,
+                0.03f * default_sun().irradiance().g);
     EXPECT_EQ(film.pixel(0, 0).g, 0.0f);
     EXPECT_EQ(film.pixel(64, 64).a, 0.0f);
 }

@@ -92,12 +92,12 @@ TEST(Microfacet, TablesHoldWhatFacetsReflect) {
                     return edge * reference_density(half, alpha) * both / (4.0 * cosine);
                 });
             };
-            const Albedo albedo = ggx_albedo(static_cast<float>(cosine), roughness);
+            const Albedo albedo = GgxAlbedo(roughness).at(static_cast<float>(cosine));
             EXPECT_NEAR(static_cast<double>(albedo.all), reflect(false), 0.006) << roughness << ", " << cosine;
             EXPECT_NEAR(static_cast<double>(albedo.edge), reflect(true), 0.006) << roughness << ", " << cosine;
         }
     }
-    EXPECT_NEAR(ggx_albedo(1.0f, 0.0f).all, 1.0f, 1e-4f);
+    EXPECT_NEAR(GgxAlbedo(0.0f).at(1.0f).all, 1.0f, 1e-4f);
 }
 
 TEST(Microfacet, SheenReflectsLessThanArrives) {
