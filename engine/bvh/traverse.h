@@ -11,8 +11,8 @@ namespace zoe {
 
 /// Work done by a ray, for `--shade cost` and the charts. What a packet of rays does together counts once.
 struct TraverseCounts {
-    uint32_t nodes = 0;      ///< Nodes whose eight boxes were tested.
-    uint32_t triangles = 0;  ///< Triangle tests, whole blocks.
+    uint64_t nodes = 0;      ///< Nodes whose eight boxes were tested.
+    uint64_t triangles = 0;  ///< Triangle tests, whole blocks.
 };
 
 /// A tree in the world, or a part of one, as the kernels see it: a cache line.

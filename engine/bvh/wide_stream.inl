@@ -106,7 +106,7 @@ HWY_INLINE void test_leaf(const PlacedBlas& placed, const Aabb& bounds, uint32_t
     const TriangleBlock* block = blocks + first_block(child);
     for (const TriangleBlock* end = block + block_count(child); block != end; ++block) {
         if (kIsAny) rays &= stream->looking;
-        counts->triangles += TriangleBlock::kSize * static_cast<uint32_t>(std::popcount(rays));
+        counts->triangles += TriangleBlock::kSize * static_cast<uint64_t>(std::popcount(rays));
         for (RaySet rest = rays; rest != 0; rest &= rest - 1) {
             const int k = std::countr_zero(rest);
             RawHit& hit = stream->hits[k];
@@ -174,7 +174,7 @@ HWY_INLINE void trace_instance(const PlacedBlas& placed, const Aabb& bounds, Ray
         if (is_leaf(at)) {
             test_leaf<kIsAny>(placed, bounds, at, spaces, rays, stream, counts);
         } else {
-            counts->nodes += static_cast<uint32_t>(std::popcount(rays));
+            counts->nodes += static_cast<uint64_t>(std::popcount(rays));
             end = push_children<kIsAny, false>(nodes[at], spaces, stream->limit, rays, end);
             prefetch(bottom, end, nodes, blocks);
         }
@@ -198,7 +198,7 @@ void trace_stream(const TwoLevels& scene, Stream* stream, TraverseCounts* counts
             const RaySet entered = enter_instance(placed, rays, stream);
             if (entered != 0) trace_instance<kIsAny>(placed, scene.bounds[first_block(at)], entered, stream, end, counts);
         } else {
-            counts->nodes += static_cast<uint32_t>(std::popcount(rays));
+            counts->nodes += static_cast<uint64_t>(std::popcount(rays));
             end = push_children<kIsAny, true>(nodes[at], stream->world, stream->limit, rays, end);
             prefetch(bottom, end, nodes, scene.instances);
         }

@@ -39,7 +39,7 @@ glm::vec3 inspect(Shade shade, const Surface& surface, Motion motion, const glm:
     return motion_color(motion) * (0.35f + 0.65f * facing);
 }
 
-glm::vec3 cost_color(uint32_t tests) {
+glm::vec3 cost_color(uint64_t tests) {
     const float x = std::log2(1.0f + static_cast<float>(tests)) / std::log2(1.0f + static_cast<float>(kCostScale));
     const float heat = std::min(x, 1.0f);
     // Red rises first, then green; blue glows in between, which leads the hue through violet. Encoded, as the eye sees it.

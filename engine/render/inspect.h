@@ -19,7 +19,7 @@ glm::vec3 inspect(Shade shade, const Surface& surface, Motion motion, const glm:
 
 /// The heat of a count of box and triangle tests, linear: from dark blue (none) over violet and orange to yellow
 /// (kCostScale and more), on a logarithmic scale. Each step is brighter than the one before.
-glm::vec3 cost_color(uint32_t tests);
+glm::vec3 cost_color(uint64_t tests);
 inline constexpr uint32_t kCostScale = 1024;
 
 }  // namespace zoe

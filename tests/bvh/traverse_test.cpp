@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/bvh/copies.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
 
@@ -118,6 +119,25 @@ TEST(Traverse, CountsItsWork) {
     closest_hit(blas, RayFrame({{0, 0, 30}, {0, 0, -1}}), 0.0f, 0.0f, &hit, &counts);
     EXPECT_EQ(counts.nodes, 2 * once.nodes) << "added to, not overwritten";
     EXPECT_EQ(counts.triangles, 2 * once.triangles);
+}
+
+// Rays by the hundred million are counted into one sum.
+TEST(Traverse, CountsGoBeyondThirtyTwoBits) {
+    const Copies copies(random_soup(3000, 1.0f, 134), {Affine{}});
+    const std::vector<Ray> rays(100, Ray{{0, 0, 30}, {0, 0, -1}});
+    constexpr uint64_t kBefore = 0xfffffff0u;
+    for (const size_t together : {size_t{1}, rays.size()}) {
+        TraverseCounts fresh, counts{.nodes = kBefore, .triangles = kBefore};
+        std::vector<RawHit> hits(together);
+        for (TraverseCounts* sum : {&fresh, &counts}) {
+            for (size_t k = 0; k < rays.size(); k += together)
+                closest_hits(copies.levels(), std::span(rays).subspan(k, together), hits.data(), sum);
+        }
+        EXPECT_GT(fresh.nodes, 16u);
+        EXPECT_GT(fresh.triangles, 16u);
+        EXPECT_EQ(counts.nodes, kBefore + fresh.nodes) << together;
+        EXPECT_EQ(counts.triangles, kBefore + fresh.triangles) << together;
+    }
 }
 
 }  // namespace

@@ -72,28 +72,55 @@ TEST(Links, ReadmeLinksEveryStageAndEveryOtherDocument) {
     }
 }
 
-TEST(Links, OfTheStabilityTableAreTestsThatExist) {
+/// "bvh/Refit", "bvh/Refit.Name": the suites and tests that there are, by the folder that their program is named for.
+std::set<std::string> tests_by_folder() {
     std::set<std::string> tests;
     const std::regex definition("TEST(?:_F|_P)?\\((\\w+), (\\w+)\\)");
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kRoot / "tests")) {
         if (entry.path().extension() != ".cpp") continue;
-        const std::string text = text_of(entry.path());
+        const std::string folder = entry.path().parent_path().filename().string(), text = text_of(entry.path());
         for (auto it = std::sregex_iterator(text.begin(), text.end(), definition); it != std::sregex_iterator(); ++it) {
-            tests.insert((*it)[1].str());
-            tests.insert((*it)[1].str() + "." + (*it)[2].str());
+            const std::string suite = folder + '/' + (*it)[1].str();
+            tests.insert(suite);
+            tests.insert(suite + '.' + (*it)[2].str());
         }
+    }
+    return tests;
+}
+
+/// Rows of the table under a heading, each of which must name tests or charts that exist. Returns how many it names.
+int expect_tests_of_table(const fs::path& document, const std::string& heading) {
+    const std::set<std::string> tests = tests_by_folder();
+    const std::string charts = text_of(kRoot / "apps/chart/charts.cpp");
+    const std::regex test("`(\\w+/)?([A-Z]\\w+(?:\\.\\w+)?)`"), chart("chart `([a-z-]+)`");
+    std::istringstream text(text_of(kRoot / document));
+    std::string line;
+    while (std::getline(text, line) && !line.starts_with(heading)) {
     }
     int count = 0;
-    const std::regex name("`(?:\\w+/)?([A-Z]\\w+(?:\\.\\w+)?)`");
-    std::istringstream table(text_of(kRoot / "tests/stability/README.md"));
-    for (std::string line; std::getline(table, line);) {
-        if (!line.starts_with("|")) continue;
-        for (auto it = std::sregex_iterator(line.begin(), line.end(), name); it != std::sregex_iterator(); ++it) {
-            EXPECT_TRUE(tests.contains((*it)[1].str())) << (*it)[1].str();
+    while (std::getline(text, line) && line.starts_with("|")) {
+        if (line.starts_with("|---")) continue;
+        const int before = count;
+        for (auto it = std::sregex_iterator(line.begin(), line.end(), test); it != std::sregex_iterator(); ++it) {
+            const std::string folder = (*it)[1].matched ? (*it)[1].str() : "stability/";
+            EXPECT_TRUE(tests.contains(folder + (*it)[2].str())) << it->str();
             ++count;
         }
+        for (auto it = std::sregex_iterator(line.begin(), line.end(), chart); it != std::sregex_iterator(); ++it) {
+            EXPECT_NE(charts.find("ChartInfo{\"" + (*it)[1].str() + '"'), std::string::npos) << it->str();
+            ++count;
+        }
+        EXPECT_GT(count, before) << "neither test nor chart: " << line;
     }
-    EXPECT_GT(count, 40);
+    return count;
+}
+
+TEST(Links, OfTheStabilityTableAreTestsThatExist) {
+    EXPECT_GT(expect_tests_of_table("tests/stability/README.md", "| method"), 100);
+}
+
+TEST(Links, OfWhatTheReadmeSaysOfAccuracyAreTestsAndChartsThatExist) {
+    EXPECT_GT(expect_tests_of_table("README.md", "| what this page says of accuracy"), 12);
 }
 
 }  // namespace
