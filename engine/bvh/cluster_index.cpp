@@ -10,52 +10,58 @@ namespace zoe {
 namespace {
 
 constexpr uint32_t kWidth = ClusterGroup::kWidth;
-constexpr size_t kGrain = 128;       // Slots that one thread looks for partners of.
+constexpr size_t kGrain = 8;         // Groups that one thread looks for partners of.
 constexpr size_t kSplitGrain = 512;  // Clusters that one thread puts in order.
+
+// Calls `take(lane)` for each set bit.
+template <typename Take>
+void for_each_bit(uint32_t bits, Take&& take) {
+    for (; bits != 0; bits &= bits - 1) take(static_cast<uint32_t>(__builtin_ctz(bits)));
+}
 
 }  // namespace
 
-ClusterIndex::Item ClusterIndex::item(const Aabb& box, uint32_t id) {
-    const glm::vec3 centre = 0.5f * box.hi + 0.5f * box.lo, half = 0.5f * box.hi - 0.5f * box.lo;
-    return {{centre.x, centre.y, centre.z, half.x, half.y, half.z}, id};
-}
-
 void ClusterIndex::start(std::span<const Aabb> boxes) {
-    assert(!boxes.empty() && boxes.size() <= (size_t{1} << 31));
-    cluster_count_ = slot_count_ = static_cast<uint32_t>(boxes.size());
-    for (const Aabb& box : boxes) assert(box.is_proper());
-    box_of_id_.reserve(2 * boxes.size());
-    box_of_id_.assign(boxes.begin(), boxes.end());
-    slot_of_id_.reserve(2 * boxes.size());
-    slot_of_id_.resize(cluster_count_);
-    partner_of_id_.reserve(2 * boxes.size());
-    partner_of_id_.assign(cluster_count_, kNobody);
-
-    size_t count = boxes.size();
+    assert(!boxes.empty() && boxes.size() < (size_t{1} << 31));
+    const size_t box_count = boxes.size();
+    cluster_count_ = slot_count_ = static_cast<uint32_t>(box_count);
+    size_t count = box_count;
     for (uint32_t level = 0; level == 0 || count > 1; ++level) {
         count = (count + kWidth - 1) / kWidth;
         if (levels_[level].size() < count) levels_[level].resize(count);
         tree_.levels[level] = levels_[level].data();
     }
-    items_.clear();
-    for (uint32_t id = 0; id < cluster_count_; ++id) items_.push_back(item(boxes[id], id));
-    rebuild();
-}
-
-// A tree over the clusters in items_: full groups, but for the last of each level.
-void ClusterIndex::rebuild() {
+    items_.resize(box_count);
+    parallel_for(0, box_count, kSplitGrain, [&](size_t begin, size_t end) {
+        for (size_t id = begin; id < end; ++id) {
+            const Aabb& box = boxes[id];
+            assert(box.is_proper());
+            const glm::vec3 centre = 0.5f * box.hi + 0.5f * box.lo, half = 0.5f * box.hi - 0.5f * box.lo;
+            items_[id] = {{centre.x, centre.y, centre.z, half.x, half.y, half.z}, static_cast<uint32_t>(id)};
+        }
+    });
     size_t size = kWidth;
-    while (size < items_.size()) size *= 2;
+    while (size < box_count) size *= 2;
     for (; size > kWidth; size /= 2) {
-        parallel_for(0, items_.size(), std::max(size, kSplitGrain), [&](size_t from, size_t to) {
+        parallel_for(0, box_count, std::max(size, kSplitGrain), [&](size_t from, size_t to) {
             for (size_t begin = from; begin < to; begin += size) split(begin, begin + size / 2, begin + size);
         });
     }
-    slot_count_ = 0;
-    for (const Item& item : items_) {
-        tree_.levels[0][slot_count_ / kWidth].set(slot_count_ % kWidth, box_of_id_[item.id], item.id);
-        slot_of_id_[item.id] = slot_count_++;
-    }
+    slot_of_id_.resize(box_count);
+    parallel_for(0, box_count, kSplitGrain, [&](size_t begin, size_t end) {
+        for (size_t slot = begin; slot < end; ++slot) {
+            const uint32_t id = items_[slot].id;
+            leaf_of(static_cast<uint32_t>(slot)).set(slot % kWidth, boxes[id], id);
+            slot_of_id_[id] = static_cast<uint32_t>(slot);
+        }
+    });
+    partner_of_id_.assign(box_count, kNobody);
+    suitor_of_id_.assign(box_count, kNobody);
+    next_suitor_.resize(box_count);
+    const size_t group_count = (box_count + kWidth - 1) / kWidth;
+    searching_.assign(group_count, 0xffff);
+    if (box_count % kWidth != 0) searching_.back() = static_cast<uint16_t>((1u << box_count % kWidth) - 1);
+    search_groups_.reserve(group_count);
     sum_up();
 }
 
@@ -83,8 +89,7 @@ void ClusterIndex::split(size_t begin, size_t middle, size_t end) {
 }
 
 void ClusterIndex::sum_up() {
-    rebuild_count_ = cluster_count_ / 2;
-    for (uint32_t slot = slot_count_; slot % kWidth != 0; ++slot) tree_.levels[0][slot / kWidth].clear(slot % kWidth);
+    for (uint32_t slot = slot_count_; slot % kWidth != 0; ++slot) leaf_of(slot).clear(slot % kWidth);
     tree_.level_count = 0;
     for (uint32_t count = slot_count_; tree_.level_count == 0 || count > 1; ++tree_.level_count) {
         count = (count + kWidth - 1) / kWidth;
@@ -92,75 +97,100 @@ void ClusterIndex::sum_up() {
     sum_up_clusters(tree_, slot_count_);
 }
 
-uint32_t ClusterIndex::join(uint32_t a, uint32_t b) {
-    const Aabb box = zoe::merge(bounds(a), bounds(b));
-    const auto id = static_cast<uint32_t>(slot_of_id_.size());
-    const uint32_t slot = slot_of_id_[a], free_slot = slot_of_id_[b];
-    slot_of_id_[a] = slot_of_id_[b] = kNobody;
-    partner_of_id_[a] = partner_of_id_[b] = id;
-    slot_of_id_.push_back(slot);
-    box_of_id_.push_back(box);
-    partner_of_id_.push_back(kNobody);
-    tree_.levels[0][slot / kWidth].set(slot % kWidth, box, id);
-    tree_.levels[0][free_slot / kWidth].clear(free_slot % kWidth);
-    --cluster_count_;
-    return id;
-}
-
-uint32_t ClusterIndex::merge(uint32_t a, uint32_t b) {
-    const uint32_t slot = slot_of_id_[a], free_slot = slot_of_id_[b], id = join(a, b);
-    if (is_sparse()) {
-        move_together();
-    } else {
-        refit_clusters(tree_, slot);
-        refit_clusters(tree_, free_slot);
-    }
-    return id;
-}
-
-void ClusterIndex::merge(std::span<const Pair> pairs) {
-    for (const Pair& pair : pairs) join(pair.a, pair.b);
-    if (is_sparse()) {
-        move_together();
-    } else {
-        sum_up_clusters(tree_, slot_count_);
-    }
-}
-
-void ClusterIndex::move_together() {
-    items_.clear();
-    for (uint32_t slot = 0; slot < slot_count_; ++slot) {
-        const uint32_t id = tree_.levels[0][slot / kWidth].min_id[slot % kWidth];
-        if (id != kNobody) items_.push_back(item(box_of_id_[id], id));
-    }
-    rebuild();
-}
-
-uint32_t ClusterIndex::best_partner(uint32_t id, uint32_t guess) {
-    assert(cluster_count_ > 1);
-    if (!has_partner(id)) find_partner(id, guess);
-    return partner_of_id_[id];
-}
-
-void ClusterIndex::find_partner(uint32_t id, uint32_t guess) {
-    // Most often a cluster loses its partner to a third one, and likes the two of them together best.
-    const uint32_t last = partner_of_id_[id];
-    if (guess == kNobody && last != kNobody && is_there(partner_of_id_[last])) guess = partner_of_id_[last];
-    const uint32_t slot = slot_of_id_[id];
-    const Aabb box = tree_.levels[0][slot / kWidth].box(slot % kWidth);  // It is looked at next; bounds(id) is far away.
-    Partner partner;
-    if (guess != kNobody) partner = {zoe::merge(box, bounds(guess)).half_area(), guess};
-    partner_of_id_[id] = search_clusters(tree_, box, slot, partner).id;
+void ClusterIndex::find(uint32_t group, uint32_t lanes) {
+    uint32_t partners[kWidth];
+    search_clusters(tree_, group, lanes, partners);
+    for_each_bit(lanes, [&](uint32_t lane) { partner_of_id_[levels_[0][group].id(lane)] = partners[lane]; });
 }
 
 void ClusterIndex::find_partners() {
     assert(cluster_count_ > 1);
-    parallel_for(0, slot_count_, kGrain, [&](size_t begin, size_t end) {
-        for (size_t slot = begin; slot < end; ++slot) {
-            const uint32_t id = tree_.levels[0][slot / kWidth].min_id[slot % kWidth];
-            if (id != kNobody && !has_partner(id)) find_partner(id, kNobody);
-        }
+    search_groups_.clear();
+    for (uint32_t group = 0; group * kWidth < slot_count_; ++group) {
+        if (searching_[group] != 0) search_groups_.push_back(group);
+    }
+    parallel_for(0, search_groups_.size(), kGrain, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) find(search_groups_[k], searching_[search_groups_[k]]);
     });
+}
+
+void ClusterIndex::merge_mutual(std::vector<Pair>* pairs) {
+    const size_t first = pairs->size();
+    for (const uint32_t group : search_groups_) {
+        for_each_bit(searching_[group], [&](uint32_t lane) {
+            const uint32_t a = levels_[0][group].id(lane), b = partner_of_id_[a];
+            add_suitor(a);
+            // Where both searched, they are met twice.
+            if (partner_of_id_[b] == a && (a < b || !is_searching(b))) pairs->push_back({std::min(a, b), std::max(a, b)});
+        });
+    }
+    for (const uint32_t group : search_groups_) searching_[group] = 0;
+    for (const Pair& pair : std::span(*pairs).subspan(first)) join(pair);
+    if (!close_gaps()) sum_up_clusters(tree_, slot_count_);
+}
+
+uint32_t ClusterIndex::partner(uint32_t id) {
+    if (is_searching(id)) {
+        const uint32_t slot = slot_of_id_[id];
+        find(slot / kWidth, 1u << slot % kWidth);
+        searching_[slot / kWidth] ^= static_cast<uint16_t>(1u << slot % kWidth);
+        add_suitor(id);
+    }
+    return partner_of_id_[id];
+}
+
+void ClusterIndex::merge(const Pair& pair) {
+    const uint32_t slot = slot_of_id_[pair.low], free_slot = slot_of_id_[pair.high];
+    join(pair);
+    if (close_gaps()) return;
+    refit_clusters(tree_, slot);
+    refit_clusters(tree_, free_slot);
+}
+
+void ClusterIndex::add_suitor(uint32_t id) {
+    const uint32_t partner = partner_of_id_[id];
+    next_suitor_[id] = suitor_of_id_[partner];
+    suitor_of_id_[partner] = id;
+}
+
+void ClusterIndex::search_anew(uint32_t id) {
+    const uint32_t slot = slot_of_id_[id];
+    searching_[slot / kWidth] |= static_cast<uint16_t>(1u << slot % kWidth);
+    partner_of_id_[id] = kNobody;
+}
+
+// The union takes the place of its lower half. All who have lost their partners search anew.
+void ClusterIndex::join(const Pair& pair) {
+    const uint32_t slot = slot_of_id_[pair.low], free_slot = slot_of_id_[pair.high];
+    leaf_of(slot).extend(slot % kWidth, leaf_of(free_slot), free_slot % kWidth);
+    leaf_of(free_slot).clear(free_slot % kWidth);
+    --cluster_count_;
+    for (const uint32_t half : {pair.low, pair.high}) {
+        for (uint32_t suitor = suitor_of_id_[half]; suitor != kNobody; suitor = next_suitor_[suitor]) {
+            if (suitor != pair.low && suitor != pair.high) search_anew(suitor);
+        }
+        suitor_of_id_[half] = kNobody;
+    }
+    search_anew(pair.low);
+}
+
+// Once a quarter of the slots is empty, moves clusters into full groups, in the same order.
+// Returns    whether it did.
+bool ClusterIndex::close_gaps() {
+    if (4 * uint64_t{cluster_count_} > 3 * uint64_t{slot_count_} || tree_.level_count == 1) return false;
+    std::fill(searching_.begin(), searching_.end(), 0);
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < slot_count_; ++slot) {
+        const ClusterGroup& from = leaf_of(slot);
+        if (from.is_empty(slot % kWidth)) continue;
+        const uint32_t id = from.id(slot % kWidth);
+        if (slot != count) leaf_of(count).copy(count % kWidth, from, slot % kWidth);
+        slot_of_id_[id] = count++;
+        if (partner_of_id_[id] == kNobody) search_anew(id);
+    }
+    slot_count_ = count;
+    sum_up();
+    return true;
 }
 
 }  // namespace zoe

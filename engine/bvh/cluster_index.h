@@ -9,14 +9,21 @@
 
 namespace zoe {
 
-/// The clusters that agglomerative clustering has not merged yet, in a balanced tree that finds a cluster's best partner
-/// without a look at all of them. Clusters have ids: the boxes first, then unions in the order made. A pair's key is (half
-/// area of its union, lower id, higher id); the best partner is the one with the least key, exactly.
+/// The clusters that agglomerative clustering has not merged yet, in a balanced tree that finds their best partners without
+/// a look at all of them. A cluster's id is its lowest box's. The best partner is the one of the least key: see
+/// `search_clusters`. A union makes no lesser key with any other cluster than one of its halves did, so clusters that are
+/// each other's best partners stay so, whatever else merges.
 /// Source     Walter, Bala, Kulkarni, Pingali. Fast Agglomerative Clustering for Rendering. IEEE RT 2008. Deviation: sixteen
-///            wide; sorted by size as well as by place; bounds on where boxes start and end, in place of bounds on centres.
+///            wide; neighbours search together; sorted by size as well as by place; bounds on where boxes start and end, in
+///            place of bounds on centres.
 class ClusterIndex {
 public:
-    static constexpr uint32_t kNobody = kNoPartner;
+    static constexpr uint32_t kNobody = 0xffffffffu;
+
+    /// Two clusters that became one, by their lowest boxes.
+    struct Pair {
+        uint32_t low, high;
+    };
 
     /// Starts anew, in the memory of the last time.
     /// boxes      [box_count] finite and not empty; box_count from 1 to 2^31.
@@ -25,37 +32,25 @@ public:
 
     uint32_t cluster_count() const { return cluster_count_; }
 
-    /// Of any cluster, merged ones too.
-    const Aabb& bounds(uint32_t id) const { return box_of_id_[id]; }
-
-    /// The cluster that makes the least key with this one.
-    /// guess      another cluster, to compare with first, or kNobody: a good one saves time and changes nothing else.
-    /// Requires   two clusters or more; that neither of these was merged.
-    /// Cost       about log n where boxes have places or sizes of their own, at most n; at once if the last answer still
-    /// holds.
-    uint32_t best_partner(uint32_t id, uint32_t guess);
-
-    /// Finds the best partner of every cluster that has none yet, or whose last one was merged.
+    /// Finds the best partner of every cluster of which it is not known.
     /// Requires   two clusters or more.
     /// Cost       a search each, in parallel.
     void find_partners();
 
-    /// The answer of the last search for a cluster that was not merged.
-    uint32_t partner(uint32_t id) const { return partner_of_id_[id]; }
+    /// Merges all that are each other's best partners.
+    /// pairs      they are appended.
+    /// Requires   `find_partners` just before it, and that nobody asked for a `partner` yet.
+    /// Cost       O(clusters that searched), and O(n) each time that a quarter of the clusters is gone.
+    void merge_mutual(std::vector<Pair>* pairs);
 
-    /// Replaces two clusters by their union.
-    /// Requires   that neither was merged.
-    /// Returns    its id: the next one.
-    /// Cost       O(log n), and O(n log n) each time that half of the clusters are gone.
-    uint32_t merge(uint32_t a, uint32_t b);
+    /// The best partner of one cluster.
+    /// Requires   two clusters or more; the id of one that is there.
+    /// Cost       a search, unless it is known.
+    uint32_t partner(uint32_t id);
 
-    struct Pair {
-        uint32_t a, b;
-    };
-    /// The same, many at once; ids as if one by one.
-    /// Requires   that no cluster is in two pairs.
-    /// Cost       O(n), and O(n log n) each time that half of the clusters are gone.
-    void merge(std::span<const Pair> pairs);
+    /// Merges two that are each other's best partners.
+    /// Cost       O(log n), and as above.
+    void merge(const Pair& pair);
 
 private:
     // What clusters are sorted by.
@@ -64,28 +59,31 @@ private:
         uint32_t id;
     };
 
-    static Item item(const Aabb& box, uint32_t id);
-    bool is_there(uint32_t id) const { return slot_of_id_[id] != kNobody; }
-    // The last answer holds for as long as that partner lives: whatever was made since contains something that was there, so
-    // its union with this cluster is no smaller, and where equal, its higher id loses.
-    bool has_partner(uint32_t id) const { return partner_of_id_[id] != kNobody && is_there(partner_of_id_[id]); }
-    bool is_sparse() const { return cluster_count_ <= rebuild_count_ && tree_.level_count > 1; }
-    void find_partner(uint32_t id, uint32_t guess);
-    uint32_t join(uint32_t a, uint32_t b);
-    void move_together();
-    void rebuild();
+    ClusterGroup& leaf_of(uint32_t slot) { return levels_[0][slot / ClusterGroup::kWidth]; }
+    bool is_searching(uint32_t id) const {
+        const uint32_t slot = slot_of_id_[id];
+        return (searching_[slot / ClusterGroup::kWidth] >> slot % ClusterGroup::kWidth & 1) != 0;
+    }
+    void search_anew(uint32_t id);
+    void find(uint32_t group, uint32_t lanes);
+    void add_suitor(uint32_t id);
+    void join(const Pair& pair);
+    bool close_gaps();
     void split(size_t begin, size_t middle, size_t end);
     void sum_up();
 
     uint32_t cluster_count_ = 0;
-    uint32_t slot_count_ = 0;     // Of level 0, that are or were in use.
-    uint32_t rebuild_count_ = 0;  // So few clusters left, and the tree is built anew.
+    uint32_t slot_count_ = 0;  // Of level 0, that are or were in use: lane slot % 16 of group slot / 16.
     ClusterTree tree_{};
     std::array<std::vector<ClusterGroup>, ClusterTree::kMaxLevels> levels_;
-    std::vector<Item> items_;  // Scratch of rebuild.
-    std::vector<Aabb> box_of_id_;
-    std::vector<uint32_t> slot_of_id_;     // Lane slot % 16 of group slot / 16 of level 0; kNobody once merged.
-    std::vector<uint32_t> partner_of_id_;  // The last answer, or kNobody; once merged, the union.
+    std::vector<Item> items_;  // Scratch of `start`.
+    // By id, of clusters that are there.
+    std::vector<uint32_t> slot_of_id_;
+    std::vector<uint32_t> partner_of_id_;  // kNobody: it searches.
+    std::vector<uint32_t> suitor_of_id_;   // One that it is the partner of, or kNobody;
+    std::vector<uint32_t> next_suitor_;    // by a suitor's id: the next one.
+    std::vector<uint16_t> searching_;      // By group of level 0: which lanes search, as bits.
+    std::vector<uint32_t> search_groups_;  // Groups where some did, of the last `find_partners`.
 };
 
 }  // namespace zoe

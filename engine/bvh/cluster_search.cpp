@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 
 #include "engine/math/simd_targets.h"
 
@@ -18,205 +19,194 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr uint32_t kWidth = ClusterGroup::kWidth;
 using FloatTag = hn::CappedTag<float, kWidth>;
-using IdTag = hn::RebindToUnsigned<FloatTag>;
+using IntTag = hn::RebindToSigned<FloatTag>;
 using Floats = hn::Vec<FloatTag>;
+using Ints = hn::Vec<IntTag>;
 
-constexpr float kMaxExtent = 1e18f;  // In floats, those above it count as it: no area overflows.
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-HWY_INLINE float largest(const glm::vec3& v) {
-    return std::max({v.x, v.y, v.z});
-}
-
-// A group that may hold a better partner.
+// A group that may hold better partners.
 struct OpenGroup {
-    float least_area;  // About.
-    uint32_t min_id, level, group;
-
-    HWY_INLINE bool is_before(const OpenGroup& other) const {
-        return least_area < other.least_area || (least_area == other.least_area && min_id < other.min_id);
-    }
+    float least_area;
+    uint32_t level, group;
 };
 
-constexpr size_t kParts = kWidth / hn::MaxLanes(FloatTag());
-
-struct Areas {
-    Floats parts[kParts];
-};
-
-HWY_INLINE uint32_t lowest(uint32_t bits) {
-    return static_cast<uint32_t>(__builtin_ctz(bits));
+HWY_INLINE Floats half_area(Floats x, Floats y, Floats z) {
+    return hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
 }
 
-// What floats leave is looked at exactly.
+HWY_INLINE uint32_t bits_of(hn::Mask<FloatTag> mask) {
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(FloatTag(), mask, bits);
+    return uint32_t{bits[0]} | uint32_t{bits[1]} << 8;
+}
+
+// Clusters of a group, which look for their partners together. No bound is above what it bounds, rounding included: maxima
+// and minima are not rounded, and differences, products and sums of numbers >= 0, each rounded once, do not fall where their
+// operands rise.
 class Search {
 public:
-    HWY_INLINE Search(const ClusterTree& tree, const Aabb& box, const Partner& known)
-        : tree_(tree), box_(box), is_huge_(largest(box.extent()) > kMaxExtent), best_(known) {}
+    HWY_INLINE Search(const ClusterTree& tree, uint32_t own, uint32_t lanes)
+        : tree_(tree), own_place_(own), own_(tree.levels[0][own]), lanes_(lanes) {
+        for (uint32_t lane = 0; lane < kWidth; ++lane) {
+            count_[lane] = id_[lane] = std::numeric_limits<int32_t>::max();
+            // Nothing is better for those that do not search; infinite unions are for nobody.
+            const bool searches = (lanes >> lane & 1) != 0;
+            best_[lane] = searches ? std::numeric_limits<float>::max() : -1.0f;
+            if (!searches) continue;
+            for (int axis = 0; axis < 3; ++axis) {
+                all_max_lo_[axis] = std::max(all_max_lo_[axis], own_.max_lo[axis][lane]);
+                all_min_hi_[axis] = std::min(all_min_hi_[axis], own_.min_hi[axis][lane]);
+                all_min_extent_[axis] = std::min(all_min_extent_[axis], own_.min_extent[axis][lane]);
+            }
+        }
+    }
 
-    HWY_INLINE Partner from(uint32_t slot) {
-        look_into_leaf(slot / kWidth, slot % kWidth);
-        // From the cluster up to the root, so that near ones come first and leave little to be looked into of the rest.
-        uint32_t place = slot / kWidth;
+    // From the group up to the root, so that near ones come first and leave little to be looked into of the rest.
+    HWY_INLINE void run(uint32_t* partners) {
+        look_into_leaf<true>(own_, lanes_);
+        uint32_t place = own_place_;
         for (uint32_t level = 1; level < tree_.level_count; ++level, place /= kWidth) {
             look_into(level, place / kWidth, place % kWidth);
             while (open_count_ > 0) {
                 const OpenGroup next = open_[--open_count_];
-                if (!may_hold_better(next)) continue;
+                if (next.least_area > most_) continue;
+                const uint32_t lanes = interested(tree_.levels[next.level + 1][next.group / kWidth], next.group % kWidth);
+                if (lanes == 0) continue;
                 if (next.level == 0) {
-                    look_into_leaf(next.group, kWidth);
+                    look_into_leaf<false>(tree_.levels[0][next.group], lanes);
                 } else {
                     look_into(next.level, next.group, kWidth);
                 }
             }
         }
-        return best_;
+        for (uint32_t lane = 0; lane < kWidth; ++lane) partners[lane] = static_cast<uint32_t>(id_[lane]);
     }
 
 private:
-    // The least extents, along one axis, of the union of the box with anything under each lane.
-    template <bool kIsLeaf>
-    HWY_INLINE Floats extent(int axis, const ClusterGroup& group, size_t k) const {
+    // Each of some lanes looks at all in the group, but in its own not at itself.
+    template <bool kIsOwn>
+    HWY_INLINE void look_into_leaf(const ClusterGroup& group, uint32_t lanes) {
         const FloatTag d;
-        const Floats hi = hn::Max(hn::Set(d, box_.hi[axis]), hn::Load(d, group.min_hi[axis] + k));
-        const Floats lo = hn::Min(hn::Set(d, box_.lo[axis]), hn::Load(d, group.max_lo[axis] + k));
-        Floats extent = hn::Sub(hi, lo);
-        if constexpr (!kIsLeaf) extent = hn::Max(extent, hn::Load(d, group.min_extent[axis] + k));
-        return hn::Min(extent, hn::Set(d, kMaxExtent));
-    }
-
-    // Half the area of the least union with anything under each lane, in floats: five roundings of 2^-24 each from the exact
-    // one, about; less than that where extents were cut; and of areas so small that floats are not, anything as small.
-    template <bool kIsLeaf>
-    HWY_INLINE void find_areas(const ClusterGroup& group, uint32_t skipped_lane, Areas* areas) const {
-        const FloatTag d;
-        for (size_t j = 0; j < kParts; ++j) {
-            const size_t k = j * hn::MaxLanes(d);
-            const Floats x = extent<kIsLeaf>(0, group, k), y = extent<kIsLeaf>(1, group, k);
-            const Floats z = extent<kIsLeaf>(2, group, k);
-            const Floats area = hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
-            const auto lanes = hn::Iota(IdTag(), static_cast<uint32_t>(k));
-            const auto is_skipped = hn::RebindMask(d, hn::Eq(lanes, hn::Set(IdTag(), skipped_lane)));
-            areas->parts[j] = hn::IfThenElse(is_skipped, hn::Set(d, std::numeric_limits<float>::infinity()), area);
+        const IntTag ints;
+        for (; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<uint32_t>(__builtin_ctz(lanes));
+            Floats areas[kParts];
+            Floats least = hn::Set(d, std::numeric_limits<float>::max());
+            for (size_t j = 0; j < kParts; ++j) {
+                const size_t k = j * hn::MaxLanes(d);
+                Floats extents[3];
+                for (int axis = 0; axis < 3; ++axis) {
+                    const Floats hi = hn::Max(hn::Load(d, group.min_hi[axis] + k), hn::Set(d, own_.min_hi[axis][lane]));
+                    const Floats lo = hn::Min(hn::Load(d, group.max_lo[axis] + k), hn::Set(d, own_.max_lo[axis][lane]));
+                    extents[axis] = hn::Sub(hi, lo);
+                }
+                areas[j] = half_area(extents[0], extents[1], extents[2]);
+                if constexpr (kIsOwn) {
+                    const auto is_self =
+                        hn::Eq(hn::Iota(ints, static_cast<int32_t>(k)), hn::Set(ints, static_cast<int32_t>(lane)));
+                    areas[j] = hn::IfThenElse(hn::RebindMask(d, is_self), hn::Set(d, kInfinity), areas[j]);
+                }
+                least = hn::Min(least, areas[j]);
+            }
+            const Floats all_least = hn::MinOfLanes(d, least);
+            if (hn::GetLane(all_least) > best_[lane]) continue;
+            for (size_t j = 0; j < kParts; ++j) {
+                uint32_t left = bits_of(hn::Eq(areas[j], all_least)) << j * hn::MaxLanes(d);
+                for (; left != 0; left &= left - 1) {
+                    const auto other = static_cast<uint32_t>(__builtin_ctz(left));
+                    take_if_better(hn::GetLane(all_least), group.min_count[other], group.min_id[other], lane);
+                }
+            }
         }
+        Floats most = hn::Load(d, best_);
+        for (size_t k = hn::MaxLanes(d); k < kWidth; k += hn::MaxLanes(d)) most = hn::Max(most, hn::Load(d, best_ + k));
+        most_ = hn::GetLane(hn::MaxOfLanes(d, most));
     }
 
-    static HWY_INLINE float least(const Areas& areas) {
-        Floats least = areas.parts[0];
-        for (size_t j = 1; j < kParts; ++j) least = hn::Min(least, areas.parts[j]);
-        return hn::GetLane(hn::MinOfLanes(FloatTag(), least));
+    HWY_INLINE void take_if_better(float area, int32_t count, int32_t id, uint32_t lane) {
+        if (area == best_[lane] && (count != count_[lane] ? count > count_[lane] : id >= id_[lane])) return;
+        best_[lane] = area;
+        count_[lane] = count;
+        id_[lane] = id;
     }
 
-    // Which lanes are not above, as bits.
-    static HWY_INLINE uint32_t not_above(float most, const Areas& areas) {
+    // Who may find a better partner under a lane, as bits.
+    HWY_INLINE uint32_t interested(const ClusterGroup& above, uint32_t lane) const {
         const FloatTag d;
+        const IntTag ints;
+        uint32_t result = 0;
+        for (size_t k = 0; k < kWidth; k += hn::MaxLanes(d)) {
+            Floats extents[3];
+            for (int axis = 0; axis < 3; ++axis) {
+                const Floats hi = hn::Max(hn::Load(d, own_.min_hi[axis] + k), hn::Set(d, above.min_hi[axis][lane]));
+                const Floats lo = hn::Min(hn::Load(d, own_.max_lo[axis] + k), hn::Set(d, above.max_lo[axis][lane]));
+                extents[axis] = hn::Max(hn::Sub(hi, lo), hn::Set(d, above.min_extent[axis][lane]));
+            }
+            const Floats area = half_area(extents[0], extents[1], extents[2]), best = hn::Load(d, best_ + k);
+            auto is_better = hn::Lt(area, best);
+            const auto is_equal = hn::Eq(area, best);
+            if (!hn::AllFalse(d, is_equal)) {
+                const Ints count = hn::Set(ints, above.min_count[lane]), best_count = hn::Load(ints, count_ + k);
+                const auto is_before = hn::Lt(hn::Set(ints, above.min_id[lane]), hn::Load(ints, id_ + k));
+                const auto is_less = hn::Or(hn::Lt(count, best_count), hn::And(hn::Eq(count, best_count), is_before));
+                is_better = hn::Or(is_better, hn::And(is_equal, hn::RebindMask(d, is_less)));
+            }
+            result |= bits_of(is_better) << k;
+        }
+        return result;
+    }
+
+    // Groups below become open, the best on top, of equal ones the first: those that may hold a good enough partner, as far
+    // as that can be said for all that search together.
+    HWY_INLINE void look_into(uint32_t level, uint32_t place, uint32_t skipped_lane) {
+        const ClusterGroup& group = tree_.levels[level][place];
+        const FloatTag d;
+        alignas(64) float areas[kWidth];
         uint32_t bits = 0;
-        for (size_t j = 0; j < kParts; ++j) {
-            uint8_t some[8] = {};
-            hn::StoreMaskBits(d, hn::Le(areas.parts[j], hn::Set(d, most)), some);
-            bits |= (uint32_t{some[0]} | uint32_t{some[1]} << 8) << (j * hn::MaxLanes(d));
-        }
-        return bits;
-    }
-
-    // Half the area of the least union with anything under a lane; where the lane is one cluster, exactly what
-    // Aabb::half_area gives. Never more than that for any cluster (lo, hi) under the lane, rounding included:
-    //     union.lo = min(box.lo, lo) <= min(box.lo, max_lo),    union.hi = max(box.hi, hi) >= max(box.hi, min_hi),
-    // without rounding; the float min_extent was rounded down, so it is at most double(hi) - lo <= double(union.hi) -
-    // union.lo; and differences, products and sums of numbers >= 0, each rounded once and in the order of Aabb::half_area,
-    // do not fall where their operands rise.
-    HWY_INLINE double least_area(const ClusterGroup& group, uint32_t lane) const {
-        double extent[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            const double hi = std::max(box_.hi[axis], group.min_hi[axis][lane]);
-            const double lo = std::min(box_.lo[axis], group.max_lo[axis][lane]);
-            extent[axis] = std::max(hi - lo, double{group.min_extent[axis][lane]});
-        }
-        return extent[0] * extent[1] + extent[1] * extent[2] + extent[2] * extent[0];
-    }
-
-    // What no float area of as good a partner is above.
-    static HWY_INLINE float threshold(double area) {
-        constexpr double kSlack = 1.0 + 0x1p-20;
-        if (!(area < 1e37)) return std::numeric_limits<float>::max();
-        return std::max(static_cast<float>(area * kSlack), 1e-36f);
-    }
-
-    // What no float area of a worse partner, or of one as good, is below, where none of its extents was cut.
-    HWY_INLINE float surely_less(double area) const {
-        return !is_huge_ && area > 1e-36 && area < 1e36 ? static_cast<float>(area * (1.0 - 0x1p-20)) : 0.0f;
-    }
-
-    // Of two partners of this cluster, the pair with the lower id is less, on whichever side of the cluster's it is.
-    HWY_INLINE bool is_better(double area, uint32_t other) const {
-        return area < best_.half_area || (area == best_.half_area && other < best_.id);
-    }
-
-    HWY_INLINE void take_if_better(const ClusterGroup& group, uint32_t lane) {
-        const double area = least_area(group, lane);
-        if (!is_better(area, group.min_id[lane])) return;
-        best_ = {area, group.min_id[lane]};
-        most_ = threshold(area);
-        less_ = surely_less(area);
-    }
-
-    HWY_INLINE void look_into_leaf(uint32_t k, uint32_t skipped_lane) {
-        const ClusterGroup& group = tree_.levels[0][k];
-        Areas areas;
-        find_areas<true>(group, skipped_lane, &areas);
-        uint32_t bits = not_above(most_, areas);
-        if (bits == 0) return;
-        if ((bits & (bits - 1)) != 0) {
-            // The least one first: it leaves few of the others.
-            const uint32_t first = not_above(least(areas), areas);
-            take_if_better(group, lowest(first));
-            bits = not_above(most_, areas) & ~(first & (0 - first));
-        }
-        for (; bits != 0; bits &= bits - 1) take_if_better(group, lowest(bits));
-    }
-
-    // Groups become open, the best on top.
-    HWY_INLINE void look_into(uint32_t level, uint32_t k, uint32_t skipped_lane) {
-        const ClusterGroup& group = tree_.levels[level][k];
-        Areas areas;
-        find_areas<false>(group, skipped_lane, &areas);
-        uint32_t bits = not_above(most_, areas);
-        if (bits == 0) return;
-        alignas(64) float area_of_lane[kWidth];
-        for (size_t j = 0; j < kParts; ++j) {
-            hn::Store(areas.parts[j], FloatTag(), area_of_lane + j * hn::MaxLanes(FloatTag()));
+        for (size_t k = 0; k < kWidth; k += hn::MaxLanes(d)) {
+            Floats extents[3];
+            for (int axis = 0; axis < 3; ++axis) {
+                const Floats hi = hn::Max(hn::Load(d, group.min_hi[axis] + k), hn::Set(d, all_min_hi_[axis]));
+                const Floats lo = hn::Min(hn::Load(d, group.max_lo[axis] + k), hn::Set(d, all_max_lo_[axis]));
+                const Floats least = hn::Max(hn::Load(d, group.min_extent[axis] + k), hn::Set(d, all_min_extent_[axis]));
+                extents[axis] = hn::Max(hn::Sub(hi, lo), least);
+            }
+            const Floats area = half_area(extents[0], extents[1], extents[2]);
+            hn::Store(area, d, areas + k);
+            bits |= bits_of(hn::Le(area, hn::Set(d, most_))) << k;
         }
         const uint32_t base = open_count_;
-        for (; bits != 0; bits &= bits - 1) {
-            const uint32_t lane = lowest(bits);
-            const OpenGroup next{area_of_lane[lane], group.min_id[lane], level - 1, kWidth * k + lane};
+        for (bits &= ~(1u << skipped_lane); bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<uint32_t>(__builtin_ctz(bits));
             uint32_t at = open_count_++;
-            for (; at > base && open_[at - 1].is_before(next); --at) open_[at] = open_[at - 1];
-            open_[at] = next;
+            for (; at > base && open_[at - 1].least_area <= areas[lane]; --at) open_[at] = open_[at - 1];
+            open_[at] = {areas[lane], level - 1, kWidth * place + lane};
         }
     }
 
-    // Whether a group may hold a better partner. Where its area is too near to tell, as of equal boxes, exactly.
-    HWY_INLINE bool may_hold_better(const OpenGroup& open) const {
-        if (open.least_area > most_) return false;
-        if (open.least_area < less_) return true;
-        const ClusterGroup& above = tree_.levels[open.level + 1][open.group / kWidth];
-        const uint32_t lane = open.group % kWidth;
-        return is_better(least_area(above, lane), above.min_id[lane]);
-    }
+    static constexpr size_t kParts = kWidth / hn::MaxLanes(FloatTag());
 
     const ClusterTree& tree_;
-    const Aabb& box_;
-    const bool is_huge_;
-    Partner best_;
-    float most_ = threshold(best_.half_area);
-    float less_ = surely_less(best_.half_area);
+    const uint32_t own_place_;
+    const ClusterGroup& own_;
+    const uint32_t lanes_;
+    // What holds for all that search, as in a ClusterGroup.
+    float all_max_lo_[3] = {-kInfinity, -kInfinity, -kInfinity};
+    float all_min_hi_[3] = {kInfinity, kInfinity, kInfinity};
+    float all_min_extent_[3] = {kInfinity, kInfinity, kInfinity};
+    // The key of each one's best partner so far.
+    alignas(64) float best_[kWidth];
+    alignas(64) int32_t count_[kWidth];
+    alignas(64) int32_t id_[kWidth];
+    float most_ = 0.0f;  // The largest of the areas.
     uint32_t open_count_ = 0;
     // A step takes one and adds at most sixteen of the level below it.
     OpenGroup open_[kWidth * ClusterTree::kMaxLevels];
 };
 
-Partner search(const ClusterTree& tree, const Aabb& box, uint32_t slot, const Partner& known) {
-    return Search(tree, box, known).from(slot);
+void search(const ClusterTree& tree, uint32_t group, uint32_t lanes, uint32_t* partners) {
+    Search(tree, group, lanes).run(partners);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -229,8 +219,8 @@ namespace zoe {
 
 HWY_EXPORT(search);
 
-Partner search_clusters(const ClusterTree& tree, const Aabb& box, uint32_t slot, const Partner& known) {
-    return HWY_DYNAMIC_DISPATCH(search)(tree, box, slot, known);
+void search_clusters(const ClusterTree& tree, uint32_t group, uint32_t lanes, uint32_t* partners) {
+    HWY_DYNAMIC_DISPATCH(search)(tree, group, lanes, partners);
 }
 
 }  // namespace zoe

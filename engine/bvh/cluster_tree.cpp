@@ -1,6 +1,6 @@
 #include "engine/bvh/cluster_tree.h"
 
-#include <bit>
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -19,7 +19,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr uint32_t kWidth = ClusterGroup::kWidth;
 using FloatTag = hn::CappedTag<float, kWidth>;
-using IdTag = hn::RebindToUnsigned<FloatTag>;
+using IntTag = hn::RebindToSigned<FloatTag>;
 
 HWY_INLINE float max_of(const float* lanes) {
     const FloatTag d;
@@ -37,10 +37,8 @@ HWY_INLINE Number min_of(Tag d, const Number* lanes) {
 
 // Returns whether that changed anything.
 HWY_INLINE bool sum_up(const ClusterGroup& group, ClusterGroup* above, uint32_t lane) {
-    const uint32_t min_id = min_of(IdTag(), group.min_id);
-    bool is_changed = min_id != above->min_id[lane];
-    above->min_id[lane] = min_id;
-    const auto put = [&is_changed](float* to, float from) {
+    bool is_changed = false;
+    const auto put = [&is_changed](auto* to, auto from) {
         is_changed |= *to != from;
         *to = from;
     };
@@ -49,6 +47,8 @@ HWY_INLINE bool sum_up(const ClusterGroup& group, ClusterGroup* above, uint32_t 
         put(&above->min_hi[axis][lane], min_of(FloatTag(), group.min_hi[axis]));
         put(&above->min_extent[axis][lane], min_of(FloatTag(), group.min_extent[axis]));
     }
+    put(&above->min_count[lane], min_of(IntTag(), group.min_count));
+    put(&above->min_id[lane], min_of(IntTag(), group.min_id));
     return is_changed;
 }
 
@@ -78,27 +78,23 @@ namespace zoe {
 HWY_EXPORT(refit);
 HWY_EXPORT(sum_up_all);
 
-namespace {
-
-// The largest float that is not above x, for x >= 0.
-float rounded_down(double x) {
-    const float rounded = static_cast<float>(x);
-    return double{rounded} > x ? std::bit_cast<float>(std::bit_cast<uint32_t>(rounded) - 1) : rounded;
-}
-
-}  // namespace
-
-Aabb ClusterGroup::box(uint32_t lane) const {
-    return {{max_lo[0][lane], max_lo[1][lane], max_lo[2][lane]}, {min_hi[0][lane], min_hi[1][lane], min_hi[2][lane]}};
-}
-
 void ClusterGroup::set(uint32_t lane, const Aabb& box, uint32_t id) {
     for (int axis = 0; axis < 3; ++axis) {
-        max_lo[axis][lane] = box.lo[axis];
-        min_hi[axis][lane] = box.hi[axis];
-        min_extent[axis][lane] = rounded_down(double(box.hi[axis]) - box.lo[axis]);
+        max_lo[axis][lane] = std::clamp(box.lo[axis], -kFarthest, kFarthest);
+        min_hi[axis][lane] = std::clamp(box.hi[axis], -kFarthest, kFarthest);
+        min_extent[axis][lane] = min_hi[axis][lane] - max_lo[axis][lane];
     }
-    min_id[lane] = id;
+    min_count[lane] = 1;
+    min_id[lane] = static_cast<int32_t>(id);
+}
+
+void ClusterGroup::extend(uint32_t lane, const ClusterGroup& by, uint32_t by_lane) {
+    for (int axis = 0; axis < 3; ++axis) {
+        max_lo[axis][lane] = std::min(max_lo[axis][lane], by.max_lo[axis][by_lane]);
+        min_hi[axis][lane] = std::max(min_hi[axis][lane], by.min_hi[axis][by_lane]);
+        min_extent[axis][lane] = min_hi[axis][lane] - max_lo[axis][lane];
+    }
+    min_count[lane] += by.min_count[by_lane];
 }
 
 void ClusterGroup::clear(uint32_t lane) {
@@ -108,7 +104,18 @@ void ClusterGroup::clear(uint32_t lane) {
         min_hi[axis][lane] = kInfinity;
         min_extent[axis][lane] = kInfinity;
     }
-    min_id[lane] = kNoPartner;
+    min_count[lane] = std::numeric_limits<int32_t>::max();
+    min_id[lane] = kNoId;
+}
+
+void ClusterGroup::copy(uint32_t lane, const ClusterGroup& from, uint32_t from_lane) {
+    for (int axis = 0; axis < 3; ++axis) {
+        max_lo[axis][lane] = from.max_lo[axis][from_lane];
+        min_hi[axis][lane] = from.min_hi[axis][from_lane];
+        min_extent[axis][lane] = from.min_extent[axis][from_lane];
+    }
+    min_count[lane] = from.min_count[from_lane];
+    min_id[lane] = from.min_id[from_lane];
 }
 
 void refit_clusters(const ClusterTree& tree, uint32_t slot) {

@@ -6,8 +6,6 @@
 
 namespace zoe {
 
-inline constexpr uint32_t kNoPartner = 0xffffffffu;
-
 /// What holds for all clusters of each of sixteen subtrees, by component; of a single one, its own box, size and id. The
 /// initial values are of no cluster at all: the neutral ones, which make every union infinite.
 struct alignas(64) ClusterGroup {
@@ -16,12 +14,22 @@ struct alignas(64) ClusterGroup {
     float max_lo[3][kWidth];      ///< No box starts after it,
     float min_hi[3][kWidth];      ///< none ends before it,
     float min_extent[3][kWidth];  ///< and none is smaller.
-    uint32_t min_id[kWidth];
+    int32_t min_count[kWidth];    ///< No cluster has fewer boxes,
+    int32_t min_id[kWidth];       ///< and none a lower id; kNoId: no cluster.
 
+    static constexpr int32_t kNoId = 0x7fffffff;
+
+    bool is_empty(uint32_t lane) const { return min_id[lane] == kNoId; }
     /// Of a lane that is one cluster.
-    Aabb box(uint32_t lane) const;
+    uint32_t id(uint32_t lane) const { return static_cast<uint32_t>(min_id[lane]); }
+    /// Places farther than kFarthest count as there, so that no area overflows.
     void set(uint32_t lane, const Aabb& box, uint32_t id);
+    /// Makes it the union with another one, of a higher id.
+    void extend(uint32_t lane, const ClusterGroup& by, uint32_t by_lane);
     void clear(uint32_t lane);
+    void copy(uint32_t lane, const ClusterGroup& from, uint32_t from_lane);
+
+    static constexpr float kFarthest = 1e18f;
 };
 
 /// Clusters in a tree. In level 0 the lanes are clusters, above they are the groups of the level below: lane k % 16 of group

@@ -23,30 +23,29 @@ using LeafSet = std::set<uint32_t>;
 struct Greedy {
     std::set<LeafSet> clusters;  ///< Every cluster that was ever made, by its primitives.
     double area = 0.0;           ///< Half areas of all merges, summed.
-    bool has_ties = false;       ///< Some merge was as good as another of one of the two.
+    bool has_near_ties = false;  ///< Some merge was as good as another of one of the two, but for rounding to float.
 };
 
-/// The definition, by trying every pair every time: O(n^3).
+/// The definition, by trying every pair every time: O(n^3). In double precision.
 Greedy greedy(const std::vector<Aabb>& boxes) {
     struct Cluster {
         Aabb bounds;
         LeafSet leaves;
-        uint32_t id;
     };
     Greedy result;
     std::vector<Cluster> open;
     for (uint32_t k = 0; k < boxes.size(); ++k) {
-        open.push_back({boxes[k], {k}, k});
+        open.push_back({boxes[k], {k}});
         result.clusters.insert({k});
     }
-    auto next_id = static_cast<uint32_t>(boxes.size());
     while (open.size() > 1) {
         size_t best_a = 0, best_b = 0;
-        using Key = std::tuple<double, uint32_t, uint32_t>;
-        Key best{std::numeric_limits<double>::infinity(), 0xffffffffu, 0xffffffffu};
+        using Key = std::tuple<double, size_t, uint32_t, uint32_t>;
+        Key best{std::numeric_limits<double>::infinity(), 0, 0, 0};
         const auto key = [&open](size_t a, size_t b) {
-            return Key{merge(open[a].bounds, open[b].bounds).half_area(), std::min(open[a].id, open[b].id),
-                       std::max(open[a].id, open[b].id)};
+            const uint32_t first = *open[a].leaves.begin(), second = *open[b].leaves.begin();
+            return Key{merge(open[a].bounds, open[b].bounds).half_area(), open[a].leaves.size() + open[b].leaves.size(),
+                       std::min(first, second), std::max(first, second)};
         };
         for (size_t a = 0; a < open.size(); ++a) {
             for (size_t b = a + 1; b < open.size(); ++b) {
@@ -56,15 +55,18 @@ Greedy greedy(const std::vector<Aabb>& boxes) {
                 best_b = b;
             }
         }
+        const double area = std::get<0>(best);
         for (size_t k = 0; k < open.size(); ++k) {
             if (k == best_a || k == best_b) continue;
-            result.has_ties |= std::get<0>(key(best_a, k)) == std::get<0>(best);
-            result.has_ties |= std::get<0>(key(best_b, k)) == std::get<0>(best);
+            for (const size_t half : {best_a, best_b}) {
+                const double other = std::get<0>(key(half, k));
+                result.has_near_ties |= other != area && other < area * (1.0 + 1e-6);
+            }
         }
-        Cluster merged{merge(open[best_a].bounds, open[best_b].bounds), open[best_a].leaves, next_id++};
+        Cluster merged{merge(open[best_a].bounds, open[best_b].bounds), open[best_a].leaves};
         merged.leaves.insert(open[best_b].leaves.begin(), open[best_b].leaves.end());
         result.clusters.insert(merged.leaves);
-        result.area += double{merged.bounds.half_area()};
+        result.area += area;
         open.erase(open.begin() + ptrdiff_t(best_b));
         open.erase(open.begin() + ptrdiff_t(best_a));
         open.push_back(merged);
@@ -97,13 +99,13 @@ Aabb about(Rng& rng, const glm::vec3& place, float size) {
     return box;
 }
 
-/// Of six kinds.
+/// Of seven kinds.
 std::vector<Aabb> small_scene(uint64_t seed) {
     Rng rng(seed);
     std::vector<Aabb> boxes;
     const uint32_t count = 2 + rng.below(29);
     for (uint32_t k = 0; k < count; ++k) {
-        switch (seed % 6) {
+        switch (seed % 7) {
             case 0:  // Uniform.
                 boxes.push_back(about(rng, random_point(rng, 10.0f), log_uniform(rng, 0.01, 5.0)));
                 break;
@@ -124,6 +126,11 @@ std::vector<Aabb> small_scene(uint64_t seed) {
                 boxes.push_back({place, place + 0.5f});
                 break;
             }
+            case 5: {  // A grid with many copies.
+                const glm::vec3 place(rng.below(3), rng.below(3), rng.below(3));
+                boxes.push_back({place, place + 1.0f});
+                break;
+            }
             default:  // Coincident.
                 boxes.push_back({glm::vec3(-1), glm::vec3(2)});
         }
@@ -131,32 +138,30 @@ std::vector<Aabb> small_scene(uint64_t seed) {
     return boxes;
 }
 
+// Ties included: of equal areas, boxes and ids decide, which do not depend on what was merged first.
 TEST(Agglomerative, IsTheCubicGreedyOnAThousandScenes) {
-    int without_ties = 0;
+    int compared_count = 0;
     for (uint64_t seed = 100'000; seed < 101'000; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         const std::vector<Aabb> boxes = small_scene(seed);
         const Greedy expected = greedy(boxes), actual = of_tree(build_agglomerative(boxes));
-        if (expected.has_ties) {
-            EXPECT_NEAR(actual.area, expected.area, 0.03 * expected.area);
-            continue;
-        }
-        ++without_ties;
+        if (expected.has_near_ties) continue;
+        ++compared_count;
         ASSERT_EQ(actual.clusters, expected.clusters) << boxes.size() << " boxes";
         EXPECT_NEAR(actual.area, expected.area, 1e-12 * expected.area);
     }
-    EXPECT_GE(without_ties, 600);
+    EXPECT_GE(compared_count, 990);
 }
 
-// Enough of them for rounds.
-TEST(Agglomerative, IsTheCubicGreedyOffTiesInRounds) {
+// Enough of them for a tree of groups.
+TEST(Agglomerative, IsTheCubicGreedyOfManyBoxes) {
     for (uint64_t seed = 101; seed < 105; ++seed) {
         SCOPED_TRACE(::testing::Message() << "seed " << seed);
         Rng rng(seed);
         std::vector<Aabb> boxes;
         for (int k = 0; k < 260; ++k) boxes.push_back(about(rng, random_point(rng, 10.0f), log_uniform(rng, 0.1, 0.5)));
         const Greedy expected = greedy(boxes), actual = of_tree(build_agglomerative(boxes));
-        ASSERT_FALSE(expected.has_ties);
+        ASSERT_FALSE(expected.has_near_ties);
         EXPECT_EQ(actual.clusters, expected.clusters) << boxes.size() << " boxes";
     }
 }
@@ -165,7 +170,7 @@ bool is_same_tree(const Bvh& a, const Bvh& b) {
     return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
-TEST(Agglomerative, StaysWithinOnePercentOfTheGreedyOnTies) {
+TEST(Agglomerative, IsTheCubicGreedyOnTies) {
     std::vector<std::vector<Aabb>> inputs(4);
     for (int y = 0; y < 8; ++y) {
         for (int x = 0; x < 8; ++x) inputs[0].push_back({glm::vec3(x, y, 0), glm::vec3(x, y, 0) + 0.5f});
@@ -179,7 +184,7 @@ TEST(Agglomerative, StaysWithinOnePercentOfTheGreedyOnTies) {
     for (int k = 0; k < 60; ++k) inputs[3].push_back({glm::vec3(k / 10, 0, 0), glm::vec3(k / 10 + 1, 1, 1)});
     for (size_t k = 0; k < inputs.size(); ++k) {
         const Greedy expected = greedy(inputs[k]), actual = of_tree(build_agglomerative(inputs[k]));
-        EXPECT_NEAR(actual.area, expected.area, 0.01 * expected.area) << "input " << k;
+        EXPECT_EQ(actual.clusters, expected.clusters) << "input " << k;
     }
 }
 

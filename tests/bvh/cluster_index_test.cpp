@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -149,42 +150,62 @@ bool is_same_tree(const Bvh& a, const Bvh& b) {
     return a.primitives == b.primitives && has_same_bits(a.nodes, b.nodes);
 }
 
-TEST(ClusterIndex, FindsWhatALinearSearchFindsWhateverIsMerged) {
+using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
+
+/// Those that are each other's best partners, sorted.
+Pairs mutual_pairs(const std::vector<ListedCluster>& list) {
+    std::vector<size_t> partners;
+    for (size_t k = 0; k < list.size(); ++k) partners.push_back(linear_best_partner(list, k));
+    Pairs pairs;
+    for (size_t k = 0; k < list.size(); ++k) {
+        if (partners[partners[k]] == k && list[k].id < list[partners[k]].id)
+            pairs.push_back({list[k].id, list[partners[k]].id});
+    }
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+
+void merge_listed(const Pairs& pairs, std::vector<ListedCluster>* list) {
+    for (const auto& [low, high] : pairs) {
+        const auto at = [&](uint32_t id) { return std::ranges::find(*list, id, &ListedCluster::id); };
+        const ListedCluster second = *at(high);
+        list->erase(at(high));
+        at(low)->bounds.extend(second.bounds);
+        at(low)->box_count += second.box_count;
+    }
+}
+
+TEST(ClusterIndex, MergesInRoundsWhatALinearSearchDoes) {
     uint64_t seed = 1000;
     for (const Distribution& distribution : distributions()) {
-        for (const uint32_t count : {2u, 3u, 4u, 5u, 16u, 17u, 65u, 150u, 300u}) {
+        for (const uint32_t count : {2u, 3u, 4u, 5u, 16u, 17u, 65u, 150u, 290u}) {
             SCOPED_TRACE(::testing::Message() << distribution.name << ", " << count << " boxes, seed " << ++seed);
             const Boxes boxes = boxes_of(distribution, count, seed);
             std::vector<ListedCluster> list;
             for (uint32_t k = 0; k < count; ++k) list.push_back({boxes[k], k});
             ClusterIndex index;
             index.start(boxes);
-            Rng rng(seed + 100000);
-            while (list.size() > 1) {
+            for (int round = 0; list.size() > 1 && round < 40; ++round) {
                 ASSERT_EQ(index.cluster_count(), list.size());
-                for (int query = 0; query < 4; ++query) {
-                    const size_t a = rng.below(uint32_t(list.size())), guess = rng.below(uint32_t(list.size()));
-                    ASSERT_EQ(index.best_partner(list[a].id, guess == a ? ClusterIndex::kNobody : list[guess].id),
-                              list[linear_best_partner(list, a)].id)
-                        << "of " << list[a].id << " among " << list.size();
-                }
-                const size_t a = rng.below(uint32_t(list.size()));
-                size_t b = rng.below(uint32_t(list.size() - 1));
-                if (b >= a) ++b;
-                const ListedCluster made{merge(list[a].bounds, list[b].bounds), index.merge(list[a].id, list[b].id)};
-                ASSERT_EQ(made.id, 2 * count - list.size());
-                list[a] = made;
-                list.erase(list.begin() + ptrdiff_t(b));
+                index.find_partners();
+                const Pairs expected = mutual_pairs(list);
+                std::vector<ClusterIndex::Pair> merged;
+                index.merge_mutual(&merged);
+                Pairs actual;
+                for (const auto& [low, high] : merged) actual.push_back({low, high});
+                std::sort(actual.begin(), actual.end());
+                ASSERT_EQ(actual, expected);
+                merge_listed(expected, &list);
             }
-            EXPECT_EQ(index.cluster_count(), 1u);
         }
     }
 }
 
-TEST(ClusterIndex, FindsAllPartnersAtOnceWhateverIsMergedAtOnce) {
+// In any order, after some rounds or none.
+TEST(ClusterIndex, FindsWhatALinearSearchFindsWhateverIsMerged) {
     uint64_t seed = 1500;
     for (const Distribution& distribution : distributions()) {
-        for (const uint32_t count : {2u, 17u, 290u}) {
+        for (const uint32_t count : {2u, 3u, 17u, 65u, 150u}) {
             SCOPED_TRACE(::testing::Message() << distribution.name << ", " << count << " boxes, seed " << ++seed);
             const Boxes boxes = boxes_of(distribution, count, seed);
             std::vector<ListedCluster> list;
@@ -192,23 +213,21 @@ TEST(ClusterIndex, FindsAllPartnersAtOnceWhateverIsMergedAtOnce) {
             ClusterIndex index;
             index.start(boxes);
             Rng rng(seed + 100000);
-            uint32_t next_id = count;
-            while (list.size() > 1) {
+            for (uint32_t round = rng.below(3); list.size() > 1 && round > 0; --round) {
+                std::vector<ClusterIndex::Pair> merged;
                 index.find_partners();
-                for (size_t k = 0; k < list.size(); ++k) {
-                    ASSERT_EQ(index.partner(list[k].id), list[linear_best_partner(list, k)].id) << list.size();
+                index.merge_mutual(&merged);
+                merge_listed(mutual_pairs(list), &list);
+            }
+            while (list.size() > 1) {
+                for (int query = 0; query < 4; ++query) {
+                    const size_t k = rng.below(uint32_t(list.size()));
+                    ASSERT_EQ(index.partner(list[k].id), list[linear_best_partner(list, k)].id) << "of " << list[k].id;
                 }
-                std::vector<ClusterIndex::Pair> pairs;
-                for (uint32_t k = rng.below(uint32_t(list.size() / 2)) + 1; k > 0; --k) {
-                    const size_t a = rng.below(uint32_t(list.size() - 1));
-                    if (std::max(list[a].id, list.back().id) >= next_id) continue;  // Made in this round.
-                    pairs.push_back({list[a].id, list.back().id});
-                    list[a] = {merge(list[a].bounds, list.back().bounds), next_id + uint32_t(pairs.size() - 1)};
-                    list.pop_back();
-                    if (list.size() == 1) break;
-                }
-                index.merge(pairs);
-                next_id += uint32_t(pairs.size());
+                const Pairs mutual = mutual_pairs(list);
+                const auto [low, high] = mutual[rng.below(uint32_t(mutual.size()))];
+                index.merge({low, high});
+                merge_listed({{low, high}}, &list);
                 ASSERT_EQ(index.cluster_count(), list.size());
             }
         }

@@ -6,14 +6,29 @@
 
 namespace zoe::test {
 
+namespace {
+
+float float_half_area(const Aabb& a, const Aabb& b) {
+    float extent[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        const float hi = std::clamp(std::max(a.hi[axis], b.hi[axis]), -1e18f, 1e18f);
+        const float lo = std::clamp(std::min(a.lo[axis], b.lo[axis]), -1e18f, 1e18f);
+        extent[axis] = hi - lo;
+    }
+    return extent[0] * (extent[1] + extent[2]) + extent[1] * extent[2];
+}
+
+}  // namespace
+
 size_t linear_best_partner(std::span<const ListedCluster> list, size_t position) {
-    std::tuple<double, uint32_t, uint32_t> best{std::numeric_limits<double>::infinity(), 0u, 0u};
+    std::tuple<float, uint32_t, uint32_t, uint32_t> best{std::numeric_limits<float>::infinity(), 0u, 0u, 0u};
     size_t partner = list.size();
     const ListedCluster& a = list[position];
     for (size_t k = 0; k < list.size(); ++k) {
         if (k == position) continue;
         const ListedCluster& b = list[k];
-        const std::tuple key{merge(a.bounds, b.bounds).half_area(), std::min(a.id, b.id), std::max(a.id, b.id)};
+        const std::tuple key{float_half_area(a.bounds, b.bounds), a.box_count + b.box_count, std::min(a.id, b.id),
+                             std::max(a.id, b.id)};
         if (key < best) {
             best = key;
             partner = k;
@@ -22,45 +37,20 @@ size_t linear_best_partner(std::span<const ListedCluster> list, size_t position)
     return partner;
 }
 
-namespace {
-
-struct Union {
-    Aabb bounds;
-    uint32_t left = 0, right = 0;
-};
-
-/// Merges all that are each other's best, by the lower id.
-/// Returns    how many pairs.
-size_t merge_mutual(std::vector<ListedCluster>* list, std::vector<Union>* made) {
-    std::vector<size_t> partners;
-    for (size_t k = 0; k < list->size(); ++k) partners.push_back(linear_best_partner(*list, k));
-    std::vector<ListedCluster> rest, unions;
-    for (size_t a = 0; a < list->size(); ++a) {
-        const size_t b = partners[a];
-        if (partners[b] != a) rest.push_back((*list)[a]);
-        if (partners[b] != a || b < a) continue;
-        made->push_back({merge((*list)[a].bounds, (*list)[b].bounds), (*list)[a].id, (*list)[b].id});
-        unions.push_back({made->back().bounds, static_cast<uint32_t>(made->size() - 1)});
-    }
-    *list = rest;
-    list->insert(list->end(), unions.begin(), unions.end());
-    return unions.size();
-}
-
-}  // namespace
-
 Bvh linear_clustering(std::span<const Aabb> boxes) {
+    struct Made {
+        Aabb bounds;
+        uint32_t left = 0, right = 0;
+    };
     Bvh bvh;
     if (boxes.empty()) return bvh;
-    std::vector<ListedCluster> list;  // By rising id, while there are rounds.
-    std::vector<Union> made;          // [id], boxes too.
+    std::vector<ListedCluster> list;
+    std::vector<Made> made;            // Boxes, then unions.
+    std::vector<uint32_t> made_of_id;  // The last one.
     for (const Aabb& box : boxes) {
+        made_of_id.push_back(static_cast<uint32_t>(list.size()));
         list.push_back({box, static_cast<uint32_t>(list.size())});
         made.push_back({box});
-    }
-    while (list.size() > 128) {
-        const size_t before = list.size();
-        if (16 * merge_mutual(&list, &made) < before) break;
     }
     size_t a = 0;
     while (list.size() > 1) {
@@ -69,23 +59,25 @@ Bvh linear_clustering(std::span<const Aabb> boxes) {
             a = b;
             b = c;
         }
-        made.push_back({merge(list[a].bounds, list[b].bounds), list[a].id, list[b].id});
-        list[a] = {made.back().bounds, static_cast<uint32_t>(made.size() - 1)};
+        const ListedCluster &low = list[list[a].id < list[b].id ? a : b], &high = list[list[a].id < list[b].id ? b : a];
+        made.push_back({merge(low.bounds, high.bounds), made_of_id[low.id], made_of_id[high.id]});
+        made_of_id[low.id] = static_cast<uint32_t>(made.size() - 1);
+        list[a] = {made.back().bounds, low.id, low.box_count + high.box_count};
         list.erase(list.begin() + static_cast<ptrdiff_t>(b));
         if (b < a) --a;
     }
 
-    std::vector<uint32_t> ids{static_cast<uint32_t>(made.size() - 1)};
-    for (size_t k = 0; k < ids.size(); ++k) {
-        const uint32_t id = ids[k];
-        const Aabb& box = made[id].bounds;
-        if (id < boxes.size()) {
+    std::vector<uint32_t> open{static_cast<uint32_t>(made.size() - 1)};
+    for (size_t k = 0; k < open.size(); ++k) {
+        const uint32_t at = open[k];
+        const Aabb& box = made[at].bounds;
+        if (at < boxes.size()) {
             bvh.nodes.push_back({box.lo, static_cast<uint32_t>(bvh.primitives.size()), box.hi, 1});
-            bvh.primitives.push_back(id);
+            bvh.primitives.push_back(at);
         } else {
-            bvh.nodes.push_back({box.lo, static_cast<uint32_t>(ids.size()), box.hi, 0});
-            ids.push_back(made[id].left);
-            ids.push_back(made[id].right);
+            bvh.nodes.push_back({box.lo, static_cast<uint32_t>(open.size()), box.hi, 0});
+            open.push_back(made[at].left);
+            open.push_back(made[at].right);
         }
     }
     return bvh;
