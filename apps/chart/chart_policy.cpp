@@ -45,7 +45,7 @@ ClipTrees make_trees(const Moving& moving, const Settings& settings) {
         for (size_t frame = built; frame < frames.size(); ++frame) {
             if (frame > built) refit_blas(frames[frame], moving.corners, &blas);
             const std::vector<Ray> rays = make_rays(blas.tree.bounds(), settings.pick<size_t>(300, 1000, 4000), frame);
-            trees.readings[built].push_back(read_tree(blas, frames[frame], moving.corners));
+            trees.readings[built].push_back(read_tree(blas));
             trees.ray_work[built].push_back(ray_work(blas, rays));
         }
     });

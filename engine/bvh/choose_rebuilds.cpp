@@ -8,35 +8,61 @@ namespace zoe {
 
 namespace {
 
-constexpr size_t kLookedAt = 512;  // Triangles of a large mesh, that stand for all.
+constexpr size_t kLookedAt = 128;  // Blocks of a large tree, that stand for all.
 
 // New trees of one mesh differ by as much from pose to pose, and those that are built in a frame from those that took
 // longer: a tree that seems to cost so much more than it did may be as good as any.
 constexpr double kSame = 1.1;
 
+constexpr double kJump = 2.0;  // What the cost beside a new tree's is multiplied by in one refit, where the mesh jumps.
+
 // Whether a tree has lost what its rebuild costs, and as much more as it has to while that is dear beside all other work.
 bool is_due(double share, double build_work, const TreeWatch& watch) {
-    if (!(watch.lost_work > 0.0) || watch.lost_work < build_work) return false;
+    if (!(watch.lost_work > 0.0)) return false;
+    if (watch.coming_work >= build_work && build_work <= watch.needed_work + watch.lost_work) return true;
+    if (watch.lost_work < build_work) return false;
     const bool is_cheap = build_work <= share * (watch.needed_work + watch.lost_work);
     return is_cheap || watch.frame_loss >= build_work || watch.lost_work >= build_work + watch.needed_work;
 }
 
+// Half areas of the boxes around a block's triangles. NaN, where there is none that can be hit, adds nothing.
+double sum_areas(const TriangleBlock& block) {
+    constexpr uint32_t kSize = TriangleBlock::kSize;
+    double extents[3][kSize];
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *const a = block.corners[axis], *const b = block.corners[axis + 3], *const c = block.corners[axis + 6];
+        for (uint32_t slot = 0; slot < kSize; ++slot) {
+            const float lo = std::min(std::min(a[slot], b[slot]), c[slot]);
+            const float hi = std::max(std::max(a[slot], b[slot]), c[slot]);
+            extents[axis][slot] = double(hi) - lo;
+        }
+    }
+    double sum = 0.0;
+    for (uint32_t slot = 0; slot < kSize; ++slot) {
+        const double x = extents[0][slot], y = extents[1][slot], z = extents[2][slot];
+        const double area = x * y + y * z + z * x;
+        sum += area >= 0.0 ? area : 0.0;
+    }
+    return sum;
+}
+
 }  // namespace
 
-TreeReading read_tree(const Blas& blas, std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners) {
+TreeReading read_tree(const Blas& blas) {
     const double root_area = blas.tree.bounds().half_area();
     if (!(root_area > 0.0)) return {};
-    const size_t stride = std::max<size_t>(1, corners.size() / kLookedAt);
+    const size_t stride = std::max<size_t>(1, blas.blocks.size() / kLookedAt);
     double area = 0.0;
-    for (size_t k = 0; k < corners.size(); k += stride) {
-        const glm::vec3 &a = positions[corners[k].x], &b = positions[corners[k].y], &c = positions[corners[k].z];
-        if (is_finite(a) && is_finite(b) && is_finite(c)) area += bounds(Triangle{a, b, c, 0}).half_area();
-    }
+    for (size_t k = 0; k < blas.blocks.size(); k += stride) area += sum_areas(blas.blocks[k]);
     return {blas.tree.summed_cost(), static_cast<double>(stride) * area / root_area};
 }
 
 void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch) {
-    *watch = {.triangle_count = triangle_count, .built = built, .new_cost = built.cost};
+    *watch = {.triangle_count = triangle_count,
+              .built = built,
+              .new_cost = built.cost,
+              .held = watch->held,
+              .since_jump = watch->since_jump};
 }
 
 void note_refit(const TreeReading& refitted, TreeWatch* watch) {
@@ -47,12 +73,20 @@ void note_refit(const TreeReading& refitted, TreeWatch* watch) {
     const double loss = refitted.cost - new_cost;
     watch->ray_loss = refitted.cost > kSame * new_cost ? loss : 0.0;
     watch->new_cost = std::min(refitted.cost, new_cost);
+    const double growth = watch->new_cost > 0.0 ? refitted.cost / watch->new_cost : 1.0;
+    if (growth > kJump * watch->growth) {
+        watch->held = watch->since_jump > 0 ? watch->since_jump - 1 : 0;
+        watch->since_jump = 1;
+    }
+    watch->growth = growth;
 }
 
 void add_loss(double rays, TreeWatch* watch) {
     watch->frame_loss = rays * watch->ray_loss;
     watch->lost_work += watch->frame_loss;
     watch->needed_work += rays * watch->new_cost;
+    const uint64_t gone = watch->since_jump > 0 ? watch->since_jump++ - 1 : 0;
+    watch->coming_work = watch->held > gone ? static_cast<double>(watch->held - gone) * watch->frame_loss : 0.0;
 }
 
 void choose_rebuilds(const RebuildConfig& config, std::span<const TreeWatch* const> watches, std::vector<uint32_t>* chosen) {

@@ -78,13 +78,13 @@ void pose(const ClipTree& of_clip, Shape* shape) {
     BlasScratch scratch;
     make_blas(of_clip.tree, shape->positions, shape->shown->corners, shape->blas, &scratch);
     refit_blas(shape->positions, shape->shown->corners, shape->blas);
-    TreeReading reading = read_tree(*shape->blas, shape->positions, shape->shown->corners);
+    TreeReading reading = read_tree(*shape->blas);
     if (cost > 0.0) reading.cost *= std::max(1.0, of_clip.worst_cost / cost);
     note_build(reading, shape->blas->triangle_count, &shape->own->watch);
 }
 
 void watch_anew(Shape* shape) {
-    const TreeReading reading = read_tree(*shape->blas, shape->positions, shape->shown->corners);
+    const TreeReading reading = read_tree(*shape->blas);
     note_build(reading, shape->blas->triangle_count, &shape->own->watch);
 }
 
@@ -92,7 +92,7 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
     const Mesh& mesh = *shape->shown;
     if (action_for(*shape, state) == TreeAction::kRefitted) {
         const bool is_other = refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
-        if (is_other) note_refit(read_tree(*shape->blas, shape->positions, mesh.corners), &shape->own->watch);
+        if (is_other) note_refit(read_tree(*shape->blas), &shape->own->watch);
     } else {
         const Method method = method_for(shape->motion.motion, state);
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;

@@ -15,7 +15,7 @@ ReadingTable record_readings(const Sequence& sequence) {
         std::vector<TreeReading>& row = readings.emplace_back();
         for (size_t frame = built; frame < sequence.frames.size(); ++frame) {
             if (frame > built) refit_blas(sequence.frames[frame], sequence.corners, &blas);
-            row.push_back(read_tree(blas, sequence.frames[frame], sequence.corners));
+            row.push_back(read_tree(blas));
         }
     }
     return readings;

@@ -64,9 +64,9 @@ TEST(RebuildBound, WhereTreesOnlyAgeItIsTwiceHindsight) {
 
 // A clip that ends with the first rebuild: where that does not pay at once it was for nothing. It is a tenth of what always
 // refitting takes, or as much as keeping to twice hindsight asks for: the tree has lost a rebuild's work and all that the
-// rays needed anyway.
-TEST(RebuildBound, ARebuildForNothingIsATenthOfRefittingOrAskedForByHindsight) {
-    int dear_count = 0, cheap_count = 0;
+// rays needed anyway. After a second jump, whose pose is expected to be held, it is at most what always refitting takes.
+TEST(RebuildBound, ARebuildForNothingIsATenthOfRefittingOrAskedForByHindsightOrFollowsASecondJump) {
+    int dear_count = 0, cheap_count = 0, expected_count = 0;
     for (uint64_t seed = 1; seed <= 2000; ++seed) {
         Rng rng(seed);
         const ReadingTable whole = random_ageing(rng);
@@ -86,12 +86,17 @@ TEST(RebuildBound, ARebuildForNothingIsATenthOfRefittingOrAskedForByHindsight) {
             double needed = 0.0;
             for (size_t frame = 1; frame <= last; ++frame) needed += account.trace_work(frame, frame);
             const bool is_cheap = build <= RebuildConfig{}.share * refitted * (1 + 1e-9);
-            EXPECT_TRUE(is_cheap || refitted >= (build + 2.0 * needed) * (1 - 1e-9)) << "seed " << seed;
+            const bool is_dear = refitted >= (build + 2.0 * needed) * (1 - 1e-9);
+            int jump_count = 0;
+            for (size_t frame = 1; frame <= last; ++frame)
+                jump_count += whole[0][frame].cost > 2.0 * whole[0][frame - 1].cost;
+            EXPECT_TRUE(is_cheap || is_dear || (jump_count >= 2 && build <= refitted)) << "seed " << seed;
             EXPECT_LE(work, refitted + build) << "seed " << seed;
-            ++(is_cheap ? cheap_count : dear_count);
+            ++(is_cheap ? cheap_count : is_dear ? dear_count : expected_count);
             break;
         }
     }
+    EXPECT_GT(expected_count, 5);
     EXPECT_GT(cheap_count, 20);
     EXPECT_GT(dear_count, 20);
 }
@@ -172,18 +177,15 @@ Worst play(const Sequence& sequence) {
 }
 
 TEST(RebuildBound, OfRecordedSequencesItIsTwiceHindsight) {
-    const std::set<std::string> one_way = {"still", "ripple", "walk cycle", "twist", "explosion", "permuted"};
-    int one_way_count = 0, better_than_fixed_count = 0;
+    // Where all triangles change places just when there is a new tree, no rule that keeps to twice hindsight has 1.1.
+    const std::set<std::string> jumping = {"permuted", "tangled and back"};
+    int better_than_fixed_count = 0;
     for (const Sequence& sequence : deforming_sequences()) {
         const Worst worst = play(sequence);
         EXPECT_LE(worst.of_best, 2.0) << sequence.name;
+        EXPECT_LE(worst.of_fixed, jumping.contains(sequence.name) ? 1.25 : 1.1) << sequence.name;
         better_than_fixed_count += worst.below_both > 0;
-        if (!one_way.contains(sequence.name)) continue;
-        // Where all triangles change places just when there is a new tree, no rule that keeps to twice hindsight has 1.1.
-        EXPECT_LE(worst.of_fixed, sequence.name == "permuted" ? 1.25 : 1.1) << sequence.name;
-        ++one_way_count;
     }
-    EXPECT_EQ(one_way_count, 6);
     EXPECT_GE(better_than_fixed_count, 5) << "sequences where neither refitting nor rebuilding always is as cheap";
 }
 
