@@ -51,6 +51,7 @@ Json numbers_json(const PeerStats& peer) {
 
 Json numbers_json(const FrameRecord& record) {
     Json json = numbers_json(record.stats);
+    if (record.samples) json["samples"] = *record.samples;
     if (record.peer) json["peer"] = numbers_json(*record.peer);
     return json;
 }

@@ -23,6 +23,7 @@ struct PeerStats {
 struct FrameRecord {
     int frame = 0;
     FrameStats stats;
+    std::optional<double> samples = std::nullopt;  ///< A pixel, in the mean, where a picture was made.
     std::optional<PeerStats> peer;
 };
 

@@ -13,8 +13,9 @@
 #include "apps/common/trace_events.h"
 #include "apps/common/write_file.h"
 #include "apps/demo/first_view.h"
-#include "engine/render/film.h"
 #include "engine/render/layers.h"
+#include "engine/render/noise.h"
+#include "engine/render/shutter.h"
 #include "engine/scene/image_levels.h"
 
 namespace zoe {
@@ -23,12 +24,15 @@ namespace {
 using Clock = TraceEvents::Clock;
 
 constexpr PictureSize kDefaultSize{640, 360};
-constexpr int kDefaultSpp = 8;
-/// Samples between two looks at the clock and at interrupts.
-constexpr int kSamplesAPass = 4;
+constexpr int kDefaultSpp = 8, kDefaultMostSpp = 1024;
 
 double ms_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Samples of each pixel; with a noise that is asked for, the most that one gets.
+int samples_of(const Options& options) {
+    return options.spp.value_or(options.noise ? kDefaultMostSpp : kDefaultSpp);
 }
 
 struct Run {
@@ -36,58 +40,71 @@ struct Run {
     int skipped_count = 0;
     RunStats stats;
     TraceEvents events;
+    NoiseLimit noise_limit;
 };
 
-/// Advances to the frame and traces it. Returns what it did.
-FrameStats make_frame(Content& content, const Options& options, const ViewChoice& view_choice, int frame, Film* film,
-                      Run* run, const std::function<void(double)>& report) {
-    FrameStats stats;
-    const Clock::time_point advance_begin = Clock::now();
-    const Tlas& tlas = advance(content, frame / options.fps, &stats);
-    run->events.add_stages(advance_begin, stats, frame);
-    if (run->stats.threads == 0) run->stats = describe_run(options.scene, content.scene, tlas);
-    catch_interrupts();  // the first `advance` may be long, and until here nothing was written
+/// The shutter of a frame: the command line's, else the camera's.
+Shutter shutter_of(const Options& options, const ViewChoice& view_choice, const Scene& scene, int frame) {
+    const double own = view_choice.camera ? scene.cameras.at(index(scene[*view_choice.camera].camera)).shutter : 0.0;
+    return {.opens_s = frame / options.fps,
+            .open_s = options.shutter.value_or(own) / options.fps,
+            .slices = options.slices,
+            .seed = static_cast<uint64_t>(frame)};
+}
 
-    const View view = view_choice.view(content.scene, float(film->width) / float(film->height));
-    const int spp = options.spp.value_or(kDefaultSpp);
+/// Traces a frame. Returns what it did.
+/// layers     filled where they are wanted, but for the motion; else null.
+FrameStats make_frame(const Take& take, const Options& options, const Shutter& shutter, int frame, Film* film,
+                      Layers* layers, Run* run, const std::function<void(double)>& report) {
+    FrameStats stats;
+    const int spp = samples_of(options);
     RenderConfig config;
     config.shade = options.shade;
     config.environment = options.environment.get();
     config.is_jittered = spp > 1;
     config.cancel = &is_interrupted();
-    film->clear();
-    const Clock::time_point trace_begin = Clock::now();
-    for (int done = 0; done < spp; done += kSamplesAPass) {
-        const int sample_count = std::min(kSamplesAPass, spp - done);
-        if (!render(content.scene, tlas, view, config, sample_count, film, &stats)) throw Interrupted("interrupted");
-        report(double(done + sample_count) / spp);
+    const Clock::time_point open_begin = Clock::now();
+    Exposure exposure(take, shutter, config, film, &stats);
+    run->events.add_stages(open_begin, stats, frame);
+    if (run->stats.threads == 0) run->stats = describe_run(options.scene, take.scene, exposure.tlas());
+    catch_interrupts();  // the first `advance` may be long, and until here nothing was written
+
+    const Clock::time_point layers_begin = Clock::now();
+    if (layers != nullptr) {
+        see_layers(take.scene, exposure.tlas(), exposure.view(), film->width, film->height, layers);
+        run->events.add("layers", layers_begin, ms_since(layers_begin), frame);
     }
-    report_rays(content.scene, stats.rays);
+    const Clock::time_point trace_begin = Clock::now();
+    // What is dark in the picture is dark after its exposure.
+    const NoiseConfig noise{.target = static_cast<float>(options.noise.value_or(0.0)),
+                            .least_luminance = NoiseConfig{}.least_luminance / options.grade.exposure};
+    std::function<bool()> may_go_on;
+    if (options.time_limit_s) may_go_on = [&] { return ms_since(trace_begin) < 1e3 * *options.time_limit_s; };
+    if (!run->noise_limit.expose(noise, spp, &exposure, may_go_on, report)) throw Interrupted("interrupted");
     run->events.add("trace", trace_begin, ms_since(trace_begin), frame);
+    if (!exposure.is_sliced()) report_rays(take.scene, stats.rays);
+    if (layers != nullptr) {
+        const Clock::time_point motion_begin = Clock::now();
+        const Tlas& before = take.advance((frame - 1) / options.fps, nullptr);
+        add_motion(exposure.view(), before, take.view(), layers);
+        run->events.add("layers", motion_begin, ms_since(motion_begin), frame);
+    }
     return stats;
 }
 
 /// What a picture's file says of itself: nothing that depends on who made it, or when.
-PictureNotes notes_of(const Options& options, const ViewChoice& view_choice, const Scene& scene, int frame) {
+PictureNotes notes_of(const Options& options, const ViewChoice& view_choice, const Scene& scene, const Shutter& shutter,
+                      const Film& film, int frame) {
     const std::string camera = view_choice.camera    ? scene[*view_choice.camera].name
                                : view_choice.look_at ? "placed"
                                                      : "whole scene";
     return {{"Software", fmt::format("Zoetrope {}", ZOETROPE_VERSION)},
             {"scene", std::filesystem::path(options.scene).filename().string()},
             {"frame", fmt::format("{}", frame)},
-            {"time", fmt::format("{:.9g} s", frame / options.fps)},
+            {"time", fmt::format("{:.9g} s", shutter.opens_s)},
+            {"shutter", fmt::format("{:.9g} s", shutter.open_s)},
             {"camera", camera},
-            {"samples", fmt::format("{}", options.spp.value_or(kDefaultSpp))}};
-}
-
-/// What belongs to an EXR picture beside the film, from a frame that was just made. Makes the one before it.
-void make_layers(Content& content, const Options& options, const ViewChoice& view_choice, int frame, const Film& film,
-                 Layers* layers) {
-    const float aspect = float(film.width) / float(film.height);
-    const View view = view_choice.view(content.scene, aspect);
-    see_layers(content.scene, advance(content, frame / options.fps, nullptr), view, film.width, film.height, layers);
-    const Tlas& before = advance(content, (frame - 1) / options.fps, nullptr);
-    add_motion(view, before, view_choice.view(content.scene, aspect), layers);
+            {"samples", fmt::format("{:.9g}", mean_samples(film))}};
 }
 
 /// Lists the frames whose pictures are to be made: with --resume, those that are not there.
@@ -125,6 +142,10 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
     set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
     Layers layers;
+    const Take take{
+        .scene = content.scene,
+        .advance = [&](double time_s, FrameStats* stats) -> const Tlas& { return advance(content, time_s, stats); },
+        .view = [&] { return view_choice.view(content.scene, float(size.width) / float(size.height)); }};
     const bool has_layers = options.out.extension() == ".exr";
     const std::vector<int> missing = find_missing(options, size, run);
     Progress progress("rendering", static_cast<double>(missing.size()));
@@ -134,19 +155,16 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
             progress.update(static_cast<double>(i) + share, fmt::format("frame {}", frame));
         };
         if (is_interrupted()) throw Interrupted("interrupted");
-        const FrameStats stats = make_frame(content, options, view_choice, frame, &film, run, report);
-        const Clock::time_point layers_begin = Clock::now();
-        if (has_layers) {
-            make_layers(content, options, view_choice, frame, film, &layers);
-            run->events.add("layers", layers_begin, ms_since(layers_begin), frame);
-        }
+        const Shutter shutter = shutter_of(options, view_choice, content.scene, frame);
+        const FrameStats stats =
+            make_frame(take, options, shutter, frame, &film, has_layers ? &layers : nullptr, run, report);
         const Clock::time_point write_begin = Clock::now();
         write_film(film, options.out(frame),
                    {.grade = options.grade,
                     .layers = has_layers ? &layers : nullptr,
-                    .notes = notes_of(options, view_choice, content.scene, frame)});
+                    .notes = notes_of(options, view_choice, content.scene, shutter, film, frame)});
         run->events.add("write", write_begin, ms_since(write_begin), frame);
-        run->stats.frames.push_back({frame, stats});
+        run->stats.frames.push_back({.frame = frame, .stats = stats, .samples = mean_samples(film), .peer = {}});
     }
 }
 
@@ -161,6 +179,9 @@ void print_stages(const RunStats& run) {
     line("build_tlas", [](const FrameStats& s) { return s.build_tlas_ms; });
     line("trace", [](const FrameStats& s) { return s.trace_ms; });
     line("frame", [](const FrameStats& s) { return s.frame_ms(); });
+    std::vector<double> samples;
+    for (const FrameRecord& record : run.frames) samples.push_back(record.samples.value_or(0.0));
+    fmt::print("samples a pixel: median {:.1f} a frame\n", percentile(samples, 0.5));
     fmt::print("nodes: ");
     for (int i = 0; i < kMotionCount; ++i)
         fmt::print("{}{} {}", i ? ", " : "", run.node_count[i], name(static_cast<Motion>(i)));

@@ -1,5 +1,6 @@
 #include "apps/demo/options.h"
 
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -30,6 +31,7 @@ std::string footer() {
         "  zoetrope-demo fox.glb --headless --frames 0-71 three seconds as pictures in out/\n"
         "  zoetrope-demo --shade motion                   how each node moves: its motion class\n"
         "  zoetrope-demo --out out/f_%04d.exr --spp 64    EXR layers: colour, depth, ids, albedo, normals, motion\n"
+        "  zoetrope-demo --frames 0-239 --shutter 0.5     what moves is blurred, as a film camera does\n"
         "  zoetrope-demo --frames 0-239 --shard 3/8       the third of eight machines' shares\n"
         "  zoetrope-demo 'wave_%04d.glb'                  a mesh a frame\n"
         "  zoetrope-demo cage.obj --subdivide 3           a smooth surface over a cage of quads\n\n"
@@ -91,8 +93,10 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
         ->type_name("UP,ROUND")
         ->group(seen);
     app.add_option("--size", texts.size, "Of the picture (640x360) or the window (1280x720)")->type_name("WxH")->group(seen);
-    app.add_option("--spp", options.spp,
-                   "Samples a pixel (8; in the window, when to stop refining); 1: through pixel centres")
+    app.add_option(
+           "--spp", options.spp,
+           "Samples a pixel (8, or with --noise 1024 at most; in the window, when to stop refining); 1: through pixel "
+           "centres")
         ->type_name("N")
         ->group(seen);
 
@@ -106,7 +110,27 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
         ->group(seen);
 
     const char* const pictures = "Pictures instead of a window (each of these implies --headless)";
+    app.add_option(
+           "--shutter", options.shutter,
+           "Motion blur: the share of a frame's time, 0 to 1, that the shutter is open, from the frame's time on (what "
+           "the file's camera says, or 0)")
+        ->type_name("SHARE")
+        ->group(pictures);
+    app.add_option("--slices", options.slices, "Times while it is open at which the scene is made: 1, 2, 4, ... 1024")
+        ->type_name("N")
+        ->capture_default_str()
+        ->group(pictures);
     app.add_flag("--headless", options.is_headless, "Write pictures, a contact sheet, and a film where ffmpeg is installed")
+        ->group(pictures);
+    app.add_option(
+           "--noise", options.noise,
+           "Give each pixel samples until its standard error is this share of its brightness, such as 0.01; --spp is "
+           "the most (1024, unless told)")
+        ->type_name("SHARE")
+        ->group(pictures);
+    app.add_option("--time-limit", options.time_limit_s,
+                   "End a frame's samples after so many seconds: the one thing that makes pictures depend on the machine")
+        ->type_name("SECONDS")
         ->group(pictures);
     app.add_option("--frames", texts.frames, "From frame A to B, both included, or one frame (0-47)")
         ->type_name("A-B")
@@ -201,7 +225,13 @@ void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     require(extension == ".png" || extension == ".exr", fmt::format("--out {}: the name ends in .png or .exr", texts.out));
     require(options.frames.count() == 1 || options.out.has_number(),
             fmt::format("--out {}: several frames need a number in the name, such as frame_%04d.png", texts.out));
-    for (const char* const name : {"--frames", "--shard", "--out", "--resume", "--stats", "--trace"}) {
+    require(!options.shutter || (*options.shutter >= 0.0 && *options.shutter <= 1.0), "--shutter: a number from 0 to 1");
+    require(std::has_single_bit(options.slices) && options.slices <= 1024, "--slices: one of 1, 2, 4, ... 1024");
+    require(!options.noise || (*options.noise > 0.0 && *options.noise <= 1.0), "--noise: a number above 0, up to 1");
+    require(!options.time_limit_s || (*options.time_limit_s > 0.0 && *options.time_limit_s <= 1e6),
+            "--time-limit: a number of seconds above 0, up to 1000000");
+    for (const char* const name : {"--frames", "--shard", "--out", "--resume", "--stats", "--trace", "--shutter", "--slices",
+                                   "--noise", "--time-limit"}) {
         if (app.count(name)) options.is_headless = true;
     }
 }

@@ -13,6 +13,7 @@
 #include "engine/render/environment.h"
 #include "engine/render/path.h"
 #include "engine/render/physical_sky.h"
+#include "engine/render/shutter.h"
 
 namespace zoe {
 
@@ -39,6 +40,10 @@ struct Options {
 
     std::optional<PictureSize> size;
     std::optional<int> spp;
+    std::optional<double> shutter;  ///< Share of a frame's time that it is open; none: as the camera says.
+    uint32_t slices = Shutter{}.slices;
+    std::optional<double> noise;         ///< NoiseConfig::target; then `spp` is the most that a pixel gets.
+    std::optional<double> time_limit_s;  ///< Of a frame's samples.
     Shade shade = Shade::kPath;
     Grade grade;
     Sky sky = Sky::kByLights;

@@ -39,9 +39,12 @@ void add_ids(const std::vector<uint32_t>& ids, const std::string& name, std::vec
 }
 
 void write_film_exr(const Film& film, const std::filesystem::path& file, const PictureOptions& options) {
-    const float scale = film.sample_count > 0 ? 1.0f / static_cast<float>(film.sample_count) : 0.0f;
     std::vector<glm::vec4> beauty = film.sum;
-    for (glm::vec4& pixel : beauty) pixel *= scale;
+    std::vector<float> sample_counts(beauty.size());
+    for (size_t i = 0; i < beauty.size(); ++i) {
+        beauty[i] *= film.share_of(i);
+        sample_counts[i] = static_cast<float>(film.samples_of(i));
+    }
     std::vector<std::vector<float>> planes;
     planes.reserve(16);  // Channels look at what they hold.
     std::vector<Channel> channels;
@@ -49,6 +52,7 @@ void write_film_exr(const Film& film, const std::filesystem::path& file, const P
     channels.push_back({.name = "depth.Z", .values = film.depth});
     add_ids(film.node, "node.id", &planes, &channels);
     add_ids(film.primitive, "primitive.id", &planes, &channels);
+    channels.push_back({.name = "sampleCount", .values = sample_counts});
     if (const Layers* layers = options.layers) {
         assert(layers->width == film.width && layers->height == film.height);
         add_planes(layers->albedo, {"albedo.R", "albedo.G", "albedo.B"}, &planes, &channels);
@@ -73,6 +77,7 @@ Film::Film(int width, int height) : width(width), height(height) {
 
 void Film::clear() {
     sample_count = 0;
+    enough.clear();
     std::fill(sum.begin(), sum.end(), glm::vec4(0.0f));
     std::fill(depth.begin(), depth.end(), std::numeric_limits<float>::infinity());
     std::fill(node.begin(), node.end(), 0xffffffffu);
@@ -80,14 +85,16 @@ void Film::clear() {
 }
 
 glm::vec4 Film::pixel(int x, int y) const {
-    const glm::vec4& total = sum[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
-    return sample_count > 0 ? total / static_cast<float>(sample_count) : glm::vec4(0.0f);
+    const size_t k = static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+    const uint32_t count = samples_of(k);
+    return count > 0 ? sum[k] / static_cast<float>(count) : glm::vec4(0.0f);
 }
 
 std::vector<uint8_t> to_rgba8(const Film& film, const Grade& grade) {
     std::vector<uint8_t> rgba(film.sum.size() * 4);
-    const float scale = film.sample_count > 0 ? grade.exposure / static_cast<float>(film.sample_count) : 0.0f;
     for (size_t i = 0; i < film.sum.size(); ++i) {
+        const uint32_t count = film.samples_of(i);
+        const float scale = count > 0 ? grade.exposure / static_cast<float>(count) : 0.0f;
         const glm::vec3 color = tone_map(grade.tone, glm::vec3(film.sum[i]) * scale);
         for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = srgb_byte_from_linear(color[c]);
         rgba[4 * i + 3] = 255;  // The sky is part of the picture: coverage belongs to compositing, which reads the EXR.

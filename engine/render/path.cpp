@@ -21,12 +21,12 @@ struct Workspace {
     std::vector<TileStats> stats;  // [tile_count]
 };
 
-/// Copies what the samples add to. The layers of the first sample are written by it and need no copy.
-void copy_sums(const Film& film, Film* copy) {
+/// Copies what the samples add to, and where they write them, the layers.
+void copy_sums(const Film& film, bool has_layers, Film* copy) {
     copy->width = film.width;
     copy->height = film.height;
     copy->sum = film.sum;
-    if (film.sample_count > 0) return;
+    if (!has_layers) return;
     copy->depth = film.depth;
     copy->node = film.node;
     copy->primitive = film.primitive;
@@ -79,7 +79,9 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     assert(film != nullptr && film->width > 0 && film->height > 0 && sample_count >= 0 && config.max_bounces >= 0);
     const auto start = std::chrono::steady_clock::now();
     static thread_local Workspace workspace;
-    copy_sums(*film, &workspace.film);
+    // The layers are the first sample's, which is of one time only where there are no slices.
+    const bool has_layers = !config.slice && film->sample_count == 0 && sample_count > 0;
+    copy_sums(*film, has_layers, &workspace.film);
     gather_lights(scene, config, &workspace.lighting);
     workspace.glow.gather(scene, tlas);
     const Pass pass{.scene = scene,
@@ -90,7 +92,10 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
                     .glow = workspace.glow,
                     .lets_light_pass = lets_light_pass(scene, tlas),
                     .first_sample = film->sample_count,
-                    .sample_count = sample_count};
+                    .sample_count = sample_count,
+                    .enough = film->enough,
+                    .slice = config.slice.value_or(Slice{}),
+                    .has_layers = has_layers};
 
     const int tiles_across = (film->width + kTileWidth - 1) / kTileWidth;
     const int tiles_down = (film->height + kTileHeight - 1) / kTileHeight;
@@ -111,12 +116,12 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     if (is_cancelled) return false;
 
     std::swap(film->sum, working->sum);
-    if (film->sample_count == 0 && sample_count > 0) {
+    if (has_layers) {
         std::swap(film->depth, working->depth);
         std::swap(film->node, working->node);
         std::swap(film->primitive, working->primitive);
     }
-    film->sample_count += sample_count;
+    if (pass.slice.number + 1 == pass.slice.count) film->sample_count += sample_count;
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
     if (stats != nullptr) add_stats(workspace.stats, elapsed.count(), stats);
     return true;

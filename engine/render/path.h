@@ -22,20 +22,29 @@ std::optional<Shade> shade_from_name(std::string_view name);
 /// or both, each by what it is better at. The mean is the same.
 enum class LightSearch : uint8_t { kBoth, kLights, kBounces };
 
+/// A part of the time that a shutter is open.
+struct Slice {
+    uint32_t number = 0, count = 1;  ///< Number is below count, a power of two.
+};
+
 struct RenderConfig {
     Shade shade = Shade::kPath;
-    int max_bounces = 4;                        ///< After the first hit. Chart `picture`.
-    float sun_strength = 1.0f;                  ///< Times the sun; 0 for none.
-    float sky_strength = 1.0f;                  ///< Times the sky without its sun; 0 for a black one.
-    std::optional<glm::vec3> uniform_sky;       ///< Radiance of a sky of one colour, and no sun: a furnace.
-    const Environment* environment = nullptr;   ///< Instead of the default sky and sun; outlives the render.
-    LightSearch search = LightSearch::kBoth;    ///< Chart `lights`.
-    bool is_jittered = true;                    ///< Else all rays go through pixel centres, as the first sample's always do.
+    int max_bounces = 4;                       ///< After the first hit. Chart `picture`.
+    float sun_strength = 1.0f;                 ///< Times the sun; 0 for none.
+    float sky_strength = 1.0f;                 ///< Times the sky without its sun; 0 for a black one.
+    std::optional<glm::vec3> uniform_sky;      ///< Radiance of a sky of one colour, and no sun: a furnace.
+    const Environment* environment = nullptr;  ///< Instead of the default sky and sun; outlives the render.
+    LightSearch search = LightSearch::kBoth;   ///< Chart `lights`.
+    bool is_jittered = true;                   ///< Else all rays go through pixel centres, as the first sample's always do.
+    /// Only the samples that fall into this slice, of those that the call is for; pixels' centres have no sample then, and
+    /// the film's geometry stays. The film's count grows with the last slice: all slices are rendered one after another, for
+    /// the same samples.
+    std::optional<Slice> slice;
     const std::atomic<bool>* cancel = nullptr;  ///< Set by another thread to leave early; the film is then not changed.
 };
 
-/// Traces `sample_count` more samples a pixel into the film, in parallel over tiles. Numbers are keyed by pixel, sample and
-/// dimension: passes may be split anywhere, and threads do not matter.
+/// Traces `sample_count` more samples of each pixel that has not enough into the film, in parallel over tiles. Numbers are
+/// keyed by pixel, sample and dimension: passes may be split anywhere, and threads do not matter.
 ///
 /// The light: a sky seen by every ray that leaves the scene, a sun that such rays see and shadow rays sample, emissive
 /// surfaces where a path meets them and by shadow rays, and punctual lights by shadow rays. Surfaces scatter as glTF's

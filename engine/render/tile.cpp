@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include <glm/geometric.hpp>
 
+#include "engine/render/geometry.h"
 #include "engine/render/inspect.h"
 
 namespace zoe {
@@ -65,9 +65,10 @@ bool TileTracer::trace(const Pass& pass, const Tile& tile, Film* film, TileStats
     pass_ = &pass;
     film_ = film;
     stats_ = stats;
-    for (int i = 0; i < pass.sample_count; ++i) {
+    const uint32_t slices = pass.slice.count, end = static_cast<uint32_t>(pass.first_sample + pass.sample_count);
+    for (uint32_t turn = static_cast<uint32_t>(pass.first_sample) / slices; turn * slices < end; ++turn) {
         if (pass.config.cancel != nullptr && pass.config.cancel->load(std::memory_order_relaxed)) return false;
-        start_paths(tile, static_cast<uint32_t>(pass.first_sample + i));
+        start_paths(tile, turn);
         if (pass.config.shade == Shade::kCost) {
             trace_cost();
         } else {
@@ -87,17 +88,26 @@ Ray TileTracer::pixel_ray(size_t pixel, const glm::vec2& within) const {
                       static_cast<float>(pixel / width) + within.y, film_->width, film_->height);
 }
 
-/// The first sample goes through pixel centres: the layers are its.
-void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
+/// Tells whether the pass takes this sample.
+bool TileTracer::is_wanted(const SampleKey& key) const {
+    const uint32_t first = static_cast<uint32_t>(pass_->first_sample), count = static_cast<uint32_t>(pass_->sample_count);
+    return key.sample - first < count && (pass_->enough.empty() || key.sample < pass_->enough[key.pixel]);
+}
+
+/// A sample of each pixel, one in so many samples as there are slices.
+void TileTracer::start_paths(const Tile& tile, uint32_t turn) {
     paths_.clear();
     current_.clear();
     const RayCone cone = camera_cone(pass_->view, film_->height);
     for (int y = tile.y_begin; y < tile.y_end; ++y) {
         for (int x = tile.x_begin; x < tile.x_end; ++x) {
             const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(film_->width) + static_cast<uint32_t>(x);
-            const SampleKey key{pixel, sample};
+            const Slice& slice = pass_->slice;
+            const SampleKey key{pixel, sample_in_slice(pixel, turn, slice.number, slice.count)};
+            if (!is_wanted(key)) continue;
             glm::vec2 within(0.5f);
-            if (pass_->config.is_jittered && sample > 0) within = uniform_2d(key, dimension(Use::kPixel, 0));
+            if (pass_->config.is_jittered && !(pass_->has_layers && key.sample == 0))
+                within = uniform_2d(key, dimension(Use::kPixel, 0));
             current_.push(pixel_ray(pixel, within), static_cast<uint32_t>(paths_.size()));
             paths_.push_back({.key = key, .pixel = pixel, .cone = cone});
         }
@@ -106,15 +116,11 @@ void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
 
 /// batch      of primary rays; `hits_` are its hits.
 void TileTracer::record_layers(const Rays& batch) {
+    if (!pass_->has_layers) return;
     for (size_t i = 0; i < batch.rays.size(); ++i) {
         const Path& path = paths_[batch.paths[i]];
         if (path.key.sample != 0) return;
-        const Ray& ray = batch.rays[i];
-        const Hit& hit = hits_[i];
-        film_->depth[path.pixel] = hit ? depth(pass_->view, ray.origin) - hit.t * glm::dot(ray.direction, pass_->view.axis_z)
-                                       : std::numeric_limits<float>::infinity();
-        film_->node[path.pixel] = index(hit.node);
-        film_->primitive[path.pixel] = hit.primitive;
+        record_geometry(pass_->view, batch.rays[i], hits_[i], path.pixel, film_);
     }
 }
 

@@ -25,6 +25,9 @@ struct Pass {
     const Glow& glow;
     bool lets_light_pass = false;  ///< Some material on show does: shadow rays must look at what they meet.
     int first_sample = 0, sample_count = 0;
+    std::span<const uint32_t> enough;  ///< The film's.
+    Slice slice;                       ///< Without slices, the only one.
+    bool has_layers = false;           ///< Sample 0 writes the film's layers, and goes through pixels' centres.
 };
 
 /// Rays of a tile by kind, times summed over the tiles.
@@ -87,7 +90,8 @@ private:
     };
 
     Ray pixel_ray(size_t pixel, const glm::vec2& within) const;
-    void start_paths(const Tile& tile, uint32_t sample);
+    bool is_wanted(const SampleKey& key) const;
+    void start_paths(const Tile& tile, uint32_t turn);
     void record_layers(const Rays& batch);
     void trace_cost();
     void trace_bounce(uint32_t bounce);

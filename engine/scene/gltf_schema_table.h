@@ -168,8 +168,10 @@ inline constexpr SchemaMember kPerspective[] = {required(number("yfov")), requir
                                                 number("aspectRatio")};
 inline constexpr SchemaMember kOrthographic[] = {required(number("xmag")), required(number("ymag")),
                                                  required(number("zfar")), required(number("znear"))};
+inline constexpr SchemaMember kCameraExtras[] = {{"shutter", SchemaKind::kAny}};
 inline constexpr SchemaMember kCamera[] = {string("name"), required(one_of("type", "perspective orthographic")),
-                                           object("perspective", kPerspective), object("orthographic", kOrthographic)};
+                                           object("perspective", kPerspective), object("orthographic", kOrthographic),
+                                           SchemaMember{"extras", SchemaKind::kExtras, "", kCameraExtras}};
 inline constexpr SchemaMember kSpot[] = {number("innerConeAngle"), number("outerConeAngle")};
 inline constexpr SchemaMember kLight[] = {string("name"),         required(one_of("type", "directional point spot")),
                                           numbers("color", 3, 3), number("intensity"),

@@ -4,6 +4,20 @@
 
 namespace zoe {
 
+namespace {
+
+/// extras.shutter: this project's own word.
+float shutter_of(const tinygltf::Value& extras, Scene& scene) {
+    if (!extras.Has("shutter")) return 0.0f;
+    const tinygltf::Value& word = extras.Get("shutter");
+    const double share = word.IsNumber() ? word.GetNumberAsDouble() : -1.0;
+    if (share >= 0.0 && share <= 1.0) return static_cast<float>(share);
+    scene.warn("extras.shutter is no number from 0 to 1: ignored");
+    return 0.0f;
+}
+
+}  // namespace
+
 std::vector<Camera> read_cameras(const GltfFile& file, Scene& scene) {
     constexpr double kPi = 3.14159265358979323846;
     std::vector<Camera> cameras;
@@ -32,6 +46,7 @@ std::vector<Camera> read_cameras(const GltfFile& file, Scene& scene) {
         if (camera.znear < 0.0f || (camera.zfar != 0.0f && camera.zfar <= camera.znear)) {
             scene.warn("a camera whose znear and zfar enclose nothing: they are not used");
         }
+        camera.shutter = shutter_of(from.extras, scene);
         cameras.push_back(std::move(camera));
     }
     return cameras;

@@ -80,6 +80,7 @@ struct Camera {
     float xmag = 1.0f, ymag = 1.0f;   ///< Half width and height of an orthographic view.
     float aspect = 0.0f;              ///< Width / height; 0: the picture's.
     float znear = 0.0f, zfar = 0.0f;  ///< zfar 0: infinite. Kept, not used to clip.
+    float shutter = 0.0f;             ///< Share of a frame that it is open, 0 to 1 (extras.shutter).
 };
 
 enum class LightKind : uint8_t { kDirectional, kPoint, kSpot };

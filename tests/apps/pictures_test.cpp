@@ -113,9 +113,9 @@ TEST(Pictures, ExrHasTheLayers) {
     const FloatImage image = read_picture(folder / "layers/f00.exr");
     std::vector<std::string> channels = image.channels;
     std::sort(channels.begin(), channels.end());
-    EXPECT_EQ(channels,
-              (std::vector<std::string>{"A", "B", "G", "R", "albedo.B", "albedo.G", "albedo.R", "backward.u", "backward.v",
-                                        "depth.Z", "node.id", "normal.X", "normal.Y", "normal.Z", "primitive.id"}));
+    EXPECT_EQ(channels, (std::vector<std::string>{"A", "B", "G", "R", "albedo.B", "albedo.G", "albedo.R", "backward.u",
+                                                  "backward.v", "depth.Z", "node.id", "normal.X", "normal.Y", "normal.Z",
+                                                  "primitive.id", "sampleCount"}));
 
     // The camera is five metres in front of both triangles, which face it.
     const std::set<float> depths = channel_values(image, "depth.Z");
@@ -156,10 +156,16 @@ TEST(Pictures, SharesMakeTheSameFilesAsOneRun) {
     write_small_scene(folder);
     for (const char* const type : {"png", "exr"}) {
         const std::string name = std::string("/f%d.") + type;
-        ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "3-9", "--out", "whole" + name})).exit_code, 0);
+        // Blurred, and of as many samples as each pixel needs.
+        const auto frames = [&](std::vector<std::string> more) {
+            more.insert(more.end(),
+                        {"--frames", "3-9", "--shutter", "0.7", "--slices", "4", "--noise", "0.1", "--spp", "64"});
+            return demo(more);
+        };
+        ASSERT_EQ(run_demo(folder.path(), frames({"--out", "whole" + name})).exit_code, 0);
         for (const char* const share : {"3/3", "1/3", "2/3"}) {
-            const Outcome outcome = run_demo(
-                folder.path(), demo({"--frames", "3-9", "--shard", share, "--threads", "1", "--out", "shares" + name}));
+            const Outcome outcome =
+                run_demo(folder.path(), frames({"--shard", share, "--threads", "1", "--out", "shares" + name}));
             ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
         }
         for (int frame = 3; frame <= 9; ++frame) {
@@ -294,9 +300,9 @@ TEST(Stats, FieldsAreTheDocumentedOnes) {
     EXPECT_EQ(stats["nodes"], Json::parse(R"({"static": 1, "rigid": 1, "deforming": 0, "arbitrary": 0})"));
     ASSERT_EQ(stats["frames"].size(), 4u);
 
-    std::vector<std::string> numbers = {"animate_ms", "build_tlas_ms", "deform_ms", "frame_ms",      "hits",
-                                        "kept",       "kinds",         "loaded",    "rays",          "rebuilt",
-                                        "refitted",   "stored",        "trace_ms",  "update_blas_ms"};
+    std::vector<std::string> numbers = {"animate_ms", "build_tlas_ms", "deform_ms", "frame_ms", "hits",
+                                        "kept",       "kinds",         "loaded",    "rays",     "rebuilt",
+                                        "refitted",   "samples",       "stored",    "trace_ms", "update_blas_ms"};
     EXPECT_EQ(keys(stats["median"]), numbers);
     EXPECT_EQ(keys(stats["p99"]), numbers);
     numbers.insert(numbers.end(), {"frame", "hits_hash"});
@@ -306,6 +312,7 @@ TEST(Stats, FieldsAreTheDocumentedOnes) {
         SCOPED_TRACE(frame.dump());
         EXPECT_EQ(keys(frame), numbers);
         EXPECT_EQ(frame["frame"], i);
+        EXPECT_EQ(frame["samples"], 2.0);
         EXPECT_EQ(keys(frame["kinds"]), (std::vector<std::string>{"diffuse", "primary", "shadow"}));
         EXPECT_EQ(keys(frame["kinds"]["primary"]), (std::vector<std::string>{"ms", "rays"}));
         EXPECT_EQ(frame["kinds"]["primary"]["rays"], 48 * 32 * 2);
@@ -343,9 +350,11 @@ TEST(Demo, HelpNamesEveryOptionAndGivesExamples) {
     const Outcome outcome = run_demo(folder.path(), {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_EQ(outcome.err, "");
-    for (const char* const part : {"--headless", "--frames",  "--fps",    "--size",  "--spp",      "--shade",   "--camera",
-                                   "--eye",      "--target",  "--fov",    "--clip",  "--no-loop",  "--out",     "--stats",
-                                   "--trace",    "--threads", "--resume", "--cache", "--no-cache", "Examples:", "default"}) {
+    for (const char* const part :
+         {"--headless", "--frames",   "--fps",     "--size",       "--spp",     "--shade",   "--camera",
+          "--eye",      "--target",   "--fov",     "--clip",       "--no-loop", "--out",     "--stats",
+          "--shutter",  "--slices",   "--noise",   "--time-limit", "--trace",   "--threads", "--resume",
+          "--cache",    "--no-cache", "Examples:", "default"}) {
         EXPECT_NE(outcome.out.find(part), std::string::npos) << part;
     }
 }

@@ -79,7 +79,7 @@ TEST(Film, ExrLayersComeBackByName) {
     const FloatImage image = read_picture(folder / "film.exr");
     ASSERT_EQ(image.width, 3);
     ASSERT_EQ(image.height, 2);
-    EXPECT_EQ(image.channels.size(), 7u);
+    EXPECT_EQ(image.channels.size(), 8u);
     EXPECT_EQ(channel(image, "R", 2, 1), 1.0f);
     EXPECT_EQ(channel(image, "G", 2, 1), 2.0f);
     EXPECT_EQ(channel(image, "B", 2, 1), 3.0f);
@@ -87,8 +87,30 @@ TEST(Film, ExrLayersComeBackByName) {
     EXPECT_EQ(channel(image, "depth.Z", 2, 1), 12.5f);
     EXPECT_EQ(channel(image, "node.id", 2, 1), 3.0f);
     EXPECT_EQ(channel(image, "primitive.id", 2, 1), 70001.0f);
+    EXPECT_EQ(channel(image, "sampleCount", 0, 1), 2.0f);
     EXPECT_EQ(channel(image, "depth.Z", 0, 0), std::numeric_limits<float>::infinity());
     EXPECT_EQ(channel(image, "node.id", 0, 0), 4294967295.0f);
+}
+
+TEST(Film, PixelsThatHadEnoughAreMeansOfTheirOwnSamples) {
+    const TempFolder folder;
+    Film film(2, 1);
+    film.sample_count = 8;
+    film.sum = {glm::vec4(4.0f), glm::vec4(4.0f)};
+    film.enough = {2, 100};
+    EXPECT_EQ(film.pixel(0, 0), glm::vec4(2.0f));
+    EXPECT_EQ(film.pixel(1, 0), glm::vec4(0.5f));
+    write_film(film, folder / "film.exr");
+    const FloatImage image = read_picture(folder / "film.exr");
+    EXPECT_EQ(channel(image, "R", 0, 0), 2.0f);
+    EXPECT_EQ(channel(image, "R", 1, 0), 0.5f);
+    EXPECT_EQ(channel(image, "sampleCount", 0, 0), 2.0f);
+    EXPECT_EQ(channel(image, "sampleCount", 1, 0), 8.0f);
+    const std::vector<uint8_t> bytes = to_rgba8(film, {.exposure = 0.125f, .tone = Tone::kLinear});
+    EXPECT_EQ(glm::ivec3(bytes[0], bytes[1], bytes[2]), glm::ivec3(encode(glm::vec3(0.25f))));
+    EXPECT_EQ(glm::ivec3(bytes[4], bytes[5], bytes[6]), glm::ivec3(encode(glm::vec3(0.0625f))));
+    film.clear();
+    EXPECT_TRUE(film.enough.empty());
 }
 
 TEST(Film, LayersAndNotesComeBackToo) {
@@ -103,7 +125,7 @@ TEST(Film, LayersAndNotesComeBackToo) {
     layers.motion = {{1.5f, -2.0f}, {0.0f, 64.0f}};
     write_film(film, folder / "film.exr", {.layers = &layers, .notes = {{"frame", "12"}, {"Software", "this one"}}});
     const FloatImage image = read_picture(folder / "film.exr");
-    EXPECT_EQ(image.channels.size(), 15u);
+    EXPECT_EQ(image.channels.size(), 16u);
     EXPECT_EQ(channel(image, "albedo.G", 1, 0), 0.5f);
     EXPECT_EQ(channel(image, "albedo.B", 0, 0), 0.3f);
     EXPECT_EQ(channel(image, "normal.Y", 1, 0), -1.0f);

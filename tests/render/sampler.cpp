@@ -28,6 +28,36 @@ TEST(Sampler, EveryAlignedRunOfSamplesHasOnePointInEachBoxOfEveryShape) {
     }
 }
 
+TEST(Sampler, EveryRunOfSamplesIsSpreadOverTheSlicesOfTheShutter) {
+    Rng rng(2);
+    for (int round = 0; round < 200; ++round) {
+        const uint32_t pixel = static_cast<uint32_t>(rng.next()), turn = rng.below(100), bits = rng.below(11);
+        const uint32_t count = 1u << bits, first = turn * count;
+        std::vector<uint32_t> slice_of(count, count);  // by sample
+        for (uint32_t slice = 0; slice < count; ++slice) {
+            const uint32_t sample = sample_in_slice(pixel, turn, slice, count);
+            ASSERT_TRUE(sample >= first && sample < first + count) << "pixel " << pixel << " slice " << slice;
+            ASSERT_EQ(slice_of[sample - first], count) << "two slices have sample " << sample;
+            slice_of[sample - first] = slice;
+        }
+        const uint32_t run_bits = rng.below(bits + 1), run = 1u << run_bits, stride = count / run;
+        for (uint32_t begin = 0; begin < count; begin += run) {
+            std::set<uint32_t> strata;
+            for (uint32_t i = begin; i < begin + run; ++i) {
+                strata.insert(slice_of[i] / stride);
+                EXPECT_EQ(slice_of[i] % stride, slice_of[begin] % stride);
+            }
+            EXPECT_EQ(strata.size(), run);
+        }
+    }
+    // No slice is any pixel's favourite, nor two pixels' alike.
+    std::vector<int> first_slices(16);
+    for (uint32_t pixel = 0; pixel < 16000; ++pixel) {
+        for (uint32_t slice = 0; slice < 16; ++slice) first_slices[slice] += sample_in_slice(pixel, 3, slice, 16) == 48;
+    }
+    for (const int count : first_slices) EXPECT_NEAR(count, 1000, 5 * 31);
+}
+
 TEST(Sampler, NumbersLieInTheHalfOpenUnitInterval) {
     for (uint32_t i = 0; i < 10000; ++i) {
         const glm::vec2 u = uniform_2d({i * 7919u, i}, dimension(Use::kDirection, i & 3));

@@ -148,6 +148,23 @@ TEST(NodeReader, CamerasAndLightsAreRead) {
     EXPECT_FLOAT_EQ(scene.lights[1].outer_cone, 0.2f);
 }
 
+TEST(NodeReader, CamerasSayHowLongTheirShutterIsOpen) {
+    const auto load = [](const nlohmann::json& extras) {
+        GlbBuilder glb;
+        glb.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}, {"extras", extras}});
+        return glb.load();
+    };
+    EXPECT_EQ(load({{"shutter", 0.25}}).cameras[0].shutter, 0.25f);
+    EXPECT_EQ(load({{"shutter", 1}}).cameras[0].shutter, 1.0f);
+    EXPECT_EQ(load({{"shutters", 1}}).warnings().size(), 0u);
+    const nlohmann::json broken[] = {-0.1, 1.5, 1e300, "half", nlohmann::json::array({0.5})};
+    for (const nlohmann::json& word : broken) {
+        const Scene scene = load({{"shutter", word}});
+        EXPECT_EQ(scene.cameras[0].shutter, 0.0f) << word;
+        EXPECT_EQ(scene.warnings().size(), 1u) << word;
+    }
+}
+
 TEST(MaterialReader, FactorsExtensionsAndTransformsAreRead) {
     GlbBuilder glb;
     glb.triangle();
