@@ -88,16 +88,23 @@ std::string fast_name(uint32_t radius) {
     return fmt::format("fast (radius {})", radius);
 }
 
+std::string top_name(uint32_t count) {
+    return fmt::format("fast (top of {})", count);
+}
+
 std::vector<TopLevel> all_methods() {
     std::vector<TopLevel> methods;
     methods.emplace_back(
         "exact", [](std::span<const Aabb> boxes, Bvh storage) { return build_agglomerative(boxes, std::move(storage)); });
-    for (const uint32_t radius : {2u, ClusterConfig{}.search_radius, 32u}) {
-        const auto scratch = std::make_shared<PlocScratch>();
-        methods.emplace_back(fast_name(radius), [=](std::span<const Aabb> boxes, Bvh storage) {
-            return build_ploc(boxes, {.search_radius = radius}, std::move(storage), scratch.get());
-        });
-    }
+    const auto add_fast = [&](const std::string& name, const PlocConfig& config) {
+        methods.emplace_back(name,
+                             [config, scratch = std::make_shared<PlocScratch>()](std::span<const Aabb> boxes, Bvh storage) {
+                                 return build_ploc(boxes, config, std::move(storage), scratch.get());
+                             });
+    };
+    for (const uint32_t radius : {2u, ClusterConfig{}.search_radius, 32u})
+        add_fast(fast_name(radius), {.search_radius = radius});
+    for (const uint32_t count : {1u, 2048u}) add_fast(top_name(count), {.top_count = count});
     methods.emplace_back("binned", [](std::span<const Aabb> boxes, Bvh storage) {
         return build_binned(boxes, {.max_leaf_size = 1}, std::move(storage));
     });

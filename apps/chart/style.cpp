@@ -53,6 +53,8 @@ constexpr std::array kStyles = {
     Style{"fast (radius 2)", kVermilion, kOpenTriangle, true},
     Style{"fast (radius 8)", kVermilion, kDownward, true},
     Style{"fast (radius 32)", kVermilion, kOpenDownward, true},
+    Style{"fast (top of 1)", kSkyBlue, kOpenTriangle, true},
+    Style{"fast (top of 2048)", kSkyBlue, kOpenDownward, true},
     Style{"build_tlas, whole", kBlack, kOpenCircle, true},
     // How instances stand in the top level.
     Style{"turned boxes", kBlack, kOpenSquare, true},

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "engine/bvh/ploc_search.h"
+#include "engine/bvh/ploc_top.h"
 #include "engine/math/parallel.h"
 
 namespace zoe {
@@ -26,22 +27,28 @@ public:
           box_count_(static_cast<uint32_t>(boxes.size())),
           radius_(std::min(std::max(config.search_radius, 1u), box_count_)),
           grain_(std::max(kGrain, 4 * radius_)),
-          front_(std::max(radius_, 64u)) {
+          front_(std::max(radius_, 64u)),
+          top_count_(std::max(config.top_count, 1u)) {
         front_ += front_ % 2;  // Neighbours by position are those of an even and the next odd place.
     }
 
     void build(Bvh* bvh) {
         start();
-        while (cluster_count_ > 1) {
-            choose_mates();
-            merge_mates();
-        }
+        cluster_down_to(top_count_);
+        std::vector<PlocCluster>& top = scratch_.top.clusters;
+        top.reserve(std::min(top_count_, box_count_));
+        top.resize(cluster_count_);
+        for (size_t k = 0; k < top.size(); ++k)
+            top[k] = {bounds(front_ + k), now_->ids[front_ + k], now_->leaf_counts[front_ + k]};
+        const size_t round_count = scratch_.round_ends.size();
+        cluster_down_to(1);
+        replace_top(round_count);
         write(bvh);
     }
 
 private:
     using Clusters = PlocScratch::Clusters;
-    using Union = PlocScratch::Union;
+    using Union = PlocUnion;
     using Place = PlocScratch::Place;
     using Part = PlocScratch::Part;
 
@@ -75,6 +82,21 @@ private:
         clusters->leaf_counts[place] = leaf_count;
     }
 
+    void cluster_down_to(uint32_t count) {
+        while (cluster_count_ > count) {
+            choose_mates();
+            merge_mates();
+        }
+    }
+
+    // Where there are better unions over what so many rounds have left.
+    void replace_top(size_t round_count) {
+        const uint32_t first = round_count == 0 ? 0 : scratch_.round_ends[round_count - 1];
+        if (!improve_top(box_count_ + first, &scratch_.top, std::span(scratch_.unions).subspan(first))) return;
+        scratch_.round_ends.resize(round_count);
+        for (uint32_t k = first + 1; k < box_count_; ++k) scratch_.round_ends.push_back(k);
+    }
+
     void start() {
         cluster_count_ = box_count_;
         const size_t size = size_t{front_} + box_count_ + front_ + kSearchLanes;
@@ -89,7 +111,7 @@ private:
         scratch_.unions.resize(box_count_ - 1);
         scratch_.places.resize(box_count_ - 1);
         scratch_.round_ends.clear();
-        scratch_.round_ends.reserve(256);  // Degenerate inputs aside.
+        scratch_.round_ends.reserve(size_t{256} + std::min(top_count_, box_count_));  // Degenerate inputs aside.
         morton_order(boxes_, &scratch_.order, &scratch_.morton);
         parallel_for(0, box_count_, kGrain, [&](size_t begin, size_t end) {
             for (size_t k = begin; k < end; ++k) {
@@ -238,6 +260,7 @@ private:
     PlocScratch& scratch_;
     uint32_t box_count_, radius_, grain_;
     uint32_t front_;  // Places before the first cluster.
+    uint32_t top_count_;
     uint32_t cluster_count_ = 0;
     Clusters* now_ = &scratch_.clusters[0];
     Clusters* next_ = &scratch_.clusters[1];

@@ -26,7 +26,7 @@ public:
     };
 
     /// Starts anew, in the memory of the last time.
-    /// boxes      [box_count] finite and not empty; box_count from 1 to 2^31.
+    /// boxes      [box_count] finite and not empty; box_count from 1, below 2^31.
     /// Cost       O(n log n), in parallel.
     void start(std::span<const Aabb> boxes);
 

@@ -24,9 +24,10 @@ namespace {
 
 using Boxes = std::vector<Aabb>;
 
-Bvh ploc(const Boxes& boxes, uint32_t search_radius = PlocConfig{}.search_radius) {
+Bvh ploc(const Boxes& boxes, uint32_t search_radius = PlocConfig{}.search_radius,
+         uint32_t top_count = PlocConfig{}.top_count) {
     PlocScratch scratch;
-    return build_ploc(boxes, {.search_radius = search_radius}, {}, &scratch);
+    return build_ploc(boxes, {.search_radius = search_radius, .top_count = top_count}, {}, &scratch);
 }
 
 Aabb about(const glm::vec3& place, float size) {
@@ -88,7 +89,7 @@ TEST(Ploc, LookingEverywhereIsExactOffTies) {
     for (uint64_t seed = 310; seed < 330; ++seed) {
         // So small that hardly any lie in each other, which makes ties.
         const Boxes boxes = spread(int(5 + 17 * (seed - 310)), seed, 0.01f);
-        const Bvh everywhere = ploc(boxes, uint32_t(boxes.size()));
+        const Bvh everywhere = ploc(boxes, uint32_t(boxes.size()), 1);
         EXPECT_EQ(clusters_of(everywhere), clusters_of(build_agglomerative(boxes))) << "seed " << seed;
     }
 }
@@ -241,9 +242,25 @@ TEST(Ploc, OneBoxFarAwayDoesNotSpoilTheOthers) {
     }
 }
 
+TEST(Ploc, ATopByBinnedSahMakesTheSumOfAreasNoLarger) {
+    for (uint64_t seed = 380; seed < 460; ++seed) {
+        Rng rng(seed);
+        const Boxes boxes = spread(int(2 + rng.below(600)), seed, log_uniform(rng, 0.01, 3.0));
+        const double clustered = sum_of_areas(ploc(boxes, 8, 1));
+        for (const uint32_t top_count : {0u, 2u, 3u, 50u, 256u, 0xffffffffu}) {
+            const Bvh bvh = ploc(boxes, 8, top_count);
+            ASSERT_EQ(validate(bvh, boxes), "") << "seed " << seed << ", top of " << top_count;
+            EXPECT_LE(sum_of_areas(bvh), (1.0 + 1e-9) * clustered) << "seed " << seed << ", top of " << top_count;
+            if (top_count < boxes.size()) continue;
+            const double binned = sum_of_areas(build_binned(boxes, {.max_leaf_size = 1}));
+            EXPECT_LE(sum_of_areas(bvh), (1.0 + 1e-9) * binned) << "seed " << seed << ", all of them the top";
+        }
+    }
+}
+
 // Top levels that others are bad at: no worse than a binned tree of single boxes. Of places far apart, most of the sum is
-// that of the few nodes that hold several of them, and what is built bottom up makes these no better: 1.9 % worse here, by
-// exact clustering, too.
+// that of the few nodes that hold several of them, and what is built bottom up makes these no better: by exact clustering it
+// is 1.9 % worse, by the fast form, whose top is binned, 0.2 %.
 TEST(Ploc, SumOfAreasIsAtMostThatOfBinned) {
     Rng rng(370);
     Boxes huge = spread(10'000, 371), places, gaps;
@@ -254,12 +271,13 @@ TEST(Ploc, SumOfAreasIsAtMostThatOfBinned) {
         const float x = float(k) * float(k) * 1e-4f;
         gaps.push_back(about({x, rng.uniform(), rng.uniform()}, 0.1f));
     }
-    const std::tuple<const char*, const Boxes*, double> scenes[] = {
-        {"one huge and many small", &huge, 1.0}, {"16 clusters", &places, 1.02}, {"growing gaps", &gaps, 1.0}};
-    for (const auto& [name, boxes, most] : scenes) {
+    const std::tuple<const char*, const Boxes*, double, double> scenes[] = {{"one huge and many small", &huge, 1.0, 1.0},
+                                                                            {"16 clusters", &places, 1.003, 1.02},
+                                                                            {"growing gaps", &gaps, 1.0, 1.0}};
+    for (const auto& [name, boxes, most_fast, most_exact] : scenes) {
         const double binned = sum_of_areas(build_binned(*boxes, {.max_leaf_size = 1}));
-        EXPECT_LE(sum_of_areas(ploc(*boxes)), most * binned) << name;
-        EXPECT_LE(sum_of_areas(build_agglomerative(*boxes)), most * binned) << name;
+        EXPECT_LE(sum_of_areas(ploc(*boxes)), most_fast * binned) << name;
+        EXPECT_LE(sum_of_areas(build_agglomerative(*boxes)), most_exact * binned) << name;
     }
 }
 

@@ -137,6 +137,7 @@ const std::vector<Default>& defaults() {
         {"ClusterConfig::search_radius", "tlas",
          across("Nodes", {"fast (radius 2)", "fast (radius 8)", "fast (radius 32)"})},
         {"PlocConfig::search_radius", "tlas", across("Nodes", {"fast (radius 2)", "fast (radius 8)", "fast (radius 32)"})},
+        {"PlocConfig::top_count", "tlas", across("Nodes", {"fast (top of 1)", "fast (radius 8)", "fast (top of 2048)"})},
         {"RebuildConfig::triangle_work", "policy", along("", "by the sensor")},
         {"Scene::clip_poses", "clip", along("Work")},
         {"RenderConfig::max_bounces", "picture", light_above},
