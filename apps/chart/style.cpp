@@ -86,6 +86,10 @@ constexpr std::array kStyles = {
     Style{"walk", kGreen, kTriangle, true},
     Style{"twist", kOrange, kSquare, true},
     Style{"explosion", kVermilion, kDiamond, true},
+    Style{"ripple, rotated", kBlue, kOpenCircle, true},
+    Style{"walk, rotated", kGreen, kOpenTriangle, true},
+    Style{"twist, rotated", kOrange, kOpenSquare, true},
+    Style{"explosion, rotated", kVermilion, kOpenDiamond, true},
     // Motion classes.
     Style{"static", kGreen, kCircle, true},
     Style{"deforming", kSkyBlue, kTriangle, true},

@@ -28,16 +28,15 @@ std::string check_surface(const Mesh& mesh) {
     return {};
 }
 
-std::string check_surface_size(const Scene& scene) {
+std::string check_surface_size(const Scene& scene, uint64_t most) {
     uint64_t count = 0;
     for (const Node& node : scene.nodes) {
         if (!node.is_shown || node.mesh == kNone<MeshId> || !scene[node.mesh].surface) continue;
         const SubdivisionSurface& surface = *scene[node.mesh].surface;
-        count += std::min(count_triangles(surface.cage, surface.options.level), kMaxSubdividedTriangles);
+        count += count_triangles(surface.cage, surface.options.level);  // Stencils bound it: no sum has more than 64 bits.
     }
-    if (count <= kMaxSubdividedTriangles) return {};
-    return fmt::format("the subdivision surfaces would have {} triangles at their levels; {} are allowed", count,
-                       kMaxSubdividedTriangles);
+    if (count <= most) return {};
+    return fmt::format("the subdivision surfaces would have {} triangles at their levels; {} are allowed", count, most);
 }
 
 }  // namespace zoe

@@ -15,7 +15,9 @@ inline constexpr uint64_t kMaxSubdividedTriangles = uint64_t{1} << 26;
 std::string check_surface(const Mesh& mesh);
 
 /// Checks that the nodes' surfaces, each of which is evaluated on its own, fit into memory.
+/// most       triangles that all of them may have at their levels.
+/// Requires   that each surface is sound by `check_surface`.
 /// Returns    as above; with the number of triangles that they would have.
-std::string check_surface_size(const Scene& scene);
+std::string check_surface_size(const Scene& scene, uint64_t most = kMaxSubdividedTriangles);
 
 }  // namespace zoe

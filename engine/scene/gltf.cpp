@@ -1,5 +1,6 @@
 #include "engine/scene/gltf.h"
 
+#include "engine/scene/check_surface.h"
 #include "engine/scene/gltf_animation.h"
 #include "engine/scene/gltf_file.h"
 #include "engine/scene/gltf_material.h"
@@ -49,7 +50,8 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     check_zeros_shown(file, scene);
     if (!scene.clips.empty()) scene.playback.clips = {ClipId{0}};
 
-    const std::string broken = check(scene);
+    std::string broken = check(scene);
+    if (broken.empty()) broken = check_surface_size(scene, options.max_triangles);
     if (!broken.empty()) throw SceneError(scene.file, "", broken);
     return scene;
 }

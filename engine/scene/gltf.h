@@ -14,6 +14,8 @@ struct GltfOptions {
     /// Of all images together, 4 bytes each, and a third more for their coarser levels. Where they have more, the largest
     /// are halved, again and again, with a warning.
     uint64_t max_pixels = uint64_t{1} << 28;
+    /// Of all nodes' subdivision surfaces at their levels; a file with more is refused. About 2 GB.
+    uint64_t max_triangles = uint64_t{1} << 22;
     /// Numbers that a file's accessors may yield beyond 16 for each of its bytes: zeros that no bytes back, and what many
     /// primitives share. A file with more is refused: a small one must not fill the memory.
     uint64_t max_free_numbers = uint64_t{1} << 22;

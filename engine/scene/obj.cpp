@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/scene/check_surface.h"
 #include "engine/scene/obj_lines.h"
 
 namespace zoe {
@@ -247,15 +248,9 @@ Scene load_obj(const std::filesystem::path& path, const ObjOptions& options) {
     node.name = mesh.name = path.stem().string();
     node.mesh = scene.add(std::move(mesh));
     scene.add(std::move(node));
-    if (const std::string broken = check(scene); !broken.empty()) throw SceneError(scene.file, "", broken);
-    if (options.subdivision_level) {
-        const uint64_t count = count_triangles(scene.meshes[0].surface->cage, *options.subdivision_level);
-        if (count > options.max_triangles) {
-            throw SceneError(scene.file, "",
-                             fmt::format("level {} would make {} triangles; {} are allowed", *options.subdivision_level,
-                                         count, options.max_triangles));
-        }
-    }
+    std::string broken = check(scene);
+    if (broken.empty()) broken = check_surface_size(scene, options.max_triangles);
+    if (!broken.empty()) throw SceneError(scene.file, "", broken);
     return scene;
 }
 

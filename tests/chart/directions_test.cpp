@@ -264,6 +264,8 @@ TEST(Charts, RefittingCostsNothingAtFirstAndMostWhereMotionScrambles) {
     EXPECT_GT(worst("twist"), worst("ripple"));
     // The explosion comes together again.
     EXPECT_NEAR(sah.find("explosion")->points.back().y.median, 1.0, 0.02);
+    EXPECT_LT(worst("twist, rotated"), worst("twist"));
+    EXPECT_GT(worst("explosion, rotated"), 1.3) << "rotations do not replace rebuilds";
 }
 
 TEST(Charts, WhatABuilderTakesInAllIsNeverLessThanTheBest) {

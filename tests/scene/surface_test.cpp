@@ -169,6 +169,20 @@ TEST(SurfaceFile, ManySmallSurfacesTogetherAreBounded) {
     GlbBuilder glb = sheet_file(8, {}, 8);  // 8 million triangles.
     for (int k = 0; k < 8; ++k) glb.push("nodes", {{"mesh", 0}});
     expect_error(glb, "", "the subdivision surfaces would have 75497472 triangles");
+    // As many as are allowed, and one node more.
+    GlbBuilder few = sheet_file(8, {}, 2);  // 2048 triangles.
+    few.push("nodes", {{"mesh", 0}});
+    EXPECT_EQ(few.load({.max_triangles = 4096}).nodes.size(), 2u);
+    few.push("nodes", {{"mesh", 0}});
+    try {
+        few.load({.max_triangles = 4096});
+        FAIL() << "a third surface loads";
+    } catch (const SceneError& error) {
+        EXPECT_NE(std::string(error.what()).find("would have 6144 triangles at their levels; 4096 are allowed"),
+                  std::string::npos)
+            << error.what();
+    }
+    expect_error(sheet_file(8, {}, 8), "", "would have 8388608 triangles at their levels; 4194304 are allowed");
 }
 
 TEST(SurfaceFile, FacesWithoutAnAreaAndVerticesWithoutAFaceAreLegal) {
