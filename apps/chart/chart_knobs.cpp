@@ -81,7 +81,7 @@ std::string caption(const Chart& chart) {
         "over a scene of each motion class.";
     for (const Panel& panel : chart.panels) {
         double least = 1.0;
-        std::string where = "nothing";
+        std::string where;
         for (const Series& series : panel.series) {
             for (const Point& point : series.points) {
                 if (point.y.median >= least) continue;
@@ -89,7 +89,9 @@ std::string caption(const Chart& chart) {
                 where = fmt::format("{} {}, for {} of the build,", series.name, point.label, short_number(point.x.median));
             }
         }
-        text += fmt::format(" {}: {} would leave rays {} of their work.", panel.name, where, short_number(least));
+        text += where.empty()
+                    ? fmt::format(" {}: no value leaves rays less work.", panel.name)
+                    : fmt::format(" {}: {} would leave rays {} of their work.", panel.name, where, short_number(least));
     }
     return text;
 }

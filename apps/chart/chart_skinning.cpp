@@ -94,16 +94,17 @@ std::string caption(const Chart& chart) {
     };
     const auto last = [&](const char* series) { return chart.panel(kTime).find(series)->points.back().y.median; };
     const double copy = last("memcpy"), vertices = chart.panel(kTime).find("memcpy")->points.back().x.median;
+    const bool does_bulge = chart.panel(kBend).find("dual quaternion")->points.back().y.median < 0.0;
     return fmt::format(
         "A rod with round ends, the middle half of which blends from one joint to another. Twisted by {} degrees it loses "
         "{} "
-        "% of its volume with linear blending and {} % with dual quaternions; bent by {}, {} % and {} % (less than nothing: "
-        "it bulges). Positions and normals of {} vertices take {} and {} times as long as a copy that moves as many bytes. "
+        "% of its volume with linear blending and {} % with dual quaternions; bent by {}, {} % and {} %{}. Positions and "
+        "normals of {} vertices take {} and {} times as long as a copy that moves as many bytes. "
         "The default is linear blending, which is what a glTF file means unless its skin asks for the other.",
         short_number(chart.panel(kTwist).find("linear blend")->points.back().x.median), lost(kTwist, "linear blend"),
         lost(kTwist, "dual quaternion"), short_number(chart.panel(kBend).find("linear blend")->points.back().x.median),
-        lost(kBend, "linear blend"), lost(kBend, "dual quaternion"), short_number(vertices),
-        short_number(last("linear blend") / copy), short_number(last("dual quaternion") / copy));
+        lost(kBend, "linear blend"), lost(kBend, "dual quaternion"), does_bulge ? " (less than nothing: it bulges)" : "",
+        short_number(vertices), short_number(last("linear blend") / copy), short_number(last("dual quaternion") / copy));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -64,11 +66,15 @@ std::vector<Row> measure(const std::string& name, const Settings& settings) {
     // The same frames for all, in turn; the first builds and makes room.
     for (int frame = 0; frame <= frame_count; ++frame) {
         stop_if_interrupted();
+        std::optional<uint64_t> hits_hash;
         for (size_t k = 0; k < players.size(); ++k) {
             Player& player = *players[(k + static_cast<size_t>(frame)) % players.size()];
             set_thread_count(player.threads);
             player.frame_run->run(2 * frame, nullptr, false);  // threads that were just started are slow to come
             const FrameRecord record = player.frame_run->run(2 * frame + 1, nullptr, false);
+            if (hits_hash.value_or(record.stats.hits_hash) != record.stats.hits_hash)
+                throw std::runtime_error(fmt::format("{}: {} threads give other hits", name, player.threads));
+            hits_hash = record.stats.hits_hash;
             for (size_t stage = 0; stage < kStages.size() && frame > 0; ++stage)
                 player.ms[stage].push_back(record.stats.*kStages[stage].ms);
         }

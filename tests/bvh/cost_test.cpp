@@ -1,5 +1,6 @@
 // No input makes a method slow: a triangle or box of the worst costs at most ten times what one of an ordinary input does.
-// Processor time of a single thread, the least of several runs, against the ordinary input's in the same run.
+// Builds by processor time of a single thread, the least of several runs, against the ordinary input's in the same run;
+// rays by what they test.
 
 #include <ctime>
 
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/bvh/build_clusters.h"
+#include "engine/bvh/traverse.h"
 #include "engine/math/parallel.h"
 #include "tests/bvh/inputs.h"
 #include "tests/math/random_inputs.h"
@@ -57,6 +59,34 @@ TEST_F(Cost, OfABuildIsBoundedOnEveryNastyInput) {
         for (const TestMesh& mesh : nasty_meshes()) {
             if (mesh.corners.size() < 500) continue;  // What a build costs that is not its triangles'.
             EXPECT_LE(triangle_s(mesh), kMostTimes * ordinary) << mesh.name << ", builder " << static_cast<int>(builder);
+        }
+    }
+}
+
+// Where boxes coincide, a ray must look at all of them. So the measure is what the tree that splits in the middle takes,
+// which looks at no areas and cannot be misled by them.
+TEST_F(Cost, OfRaysIsBoundedOnEveryNastyInput) {
+    constexpr int kRayCount = 500;
+    for (const TestMesh& mesh : nasty_meshes()) {
+        if (mesh.corners.size() > 5000) continue;  // Copies: smaller numbers of them do.
+        SCOPED_TRACE(mesh.name);
+        const std::vector<Ray> rays = rays_at(mesh, kRayCount, 53);
+        const auto work = [&](BlasBuilder builder) {
+            Blas blas;
+            build_blas(mesh.positions, mesh.corners, builder, &blas);
+            TraverseCounts counts;
+            for (const Ray& ray : rays) {
+                BlasHit hit;
+                hit.t = ray.t_max;
+                closest_hit(blas, RayFrame(ray), 0.0f, ray.t_min, &hit, &counts);
+            }
+            return static_cast<double>(counts.nodes + counts.triangles) / kRayCount;
+        };
+        const double naive = work(BlasBuilder::kMedian);
+        for (const BlasBuilder builder :
+             {BlasBuilder::kBinned, BlasBuilder::kSweep, BlasBuilder::kReinserted, BlasBuilder::kSbvh}) {
+            const double ours = work(builder);
+            EXPECT_LE(ours, 1.5 * naive + 8.0) << "builder " << static_cast<int>(builder) << ", seed 53";
         }
     }
 }

@@ -125,6 +125,7 @@ const std::vector<Default>& defaults() {
         {"ReinsertConfig::max_rounds", "knobs", along("Sweep", "rounds")},
         {"ReinsertConfig::candidate_share", "knobs", along("Sweep", "share of nodes")},
         {"ReinsertConfig::max_visits", "knobs", along("Sweep", "visits a search")},
+        // Of a few hundred triangles, one tree tells nothing: see bvh/Reinsert.
         {"ReinsertConfig::min_gain", "knobs", along("Sweep", "least gain")},
         {"SbvhConfig::max_reference_growth", "knobs", along("Spatial", "references")},
         {"SbvhConfig::min_overlap", "knobs", along("Spatial", "overlap")},

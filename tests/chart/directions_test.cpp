@@ -1,82 +1,21 @@
 // What charts say must hold at small size, too: directions, of what depends on counts and never on clocks.
 
 #include <cmath>
-#include <cstring>
-#include <set>
 
 #include <gtest/gtest.h>
 
-#include "apps/bench/peer_embree.h"
-#include "apps/chart/builders.h"
 #include "apps/chart/charts.h"
-#include "apps/chart/gnuplot.h"
 #include "apps/chart/measure.h"
 #include "apps/chart/rod.h"
-#include "apps/chart/style.h"
-#include "apps/common/open_scene.h"
-#include "engine/bvh/build_clusters.h"
-#include "engine/math/rng.h"
+#include "engine/math/parallel.h"
+#include "tests/chart/tiny_chart.h"
 
 namespace zoe::chart {
 namespace {
 
-/// The chart of that name at the size that tests have time for.
-Chart make(const char* name, bool has_peer = false) {
-    const Settings settings{.size = Size::kTiny, .has_peer = has_peer};
-    Sweep sweep(settings, {}, {});
-    return find_chart(name).make(sweep);
-}
-
-std::vector<Aabb> scattered_boxes(size_t count, Rng& rng) {
-    std::vector<Aabb> boxes(count);
-    for (Aabb& box : boxes) {
-        const glm::vec3 place(rng.uniform(), rng.uniform(), rng.uniform());
-        box = {place, place + 0.02f * glm::vec3(rng.uniform(), rng.uniform(), rng.uniform())};
-    }
-    return boxes;
-}
-
-/// The only point of a series.
-double y_of(const Chart& chart, const char* panel, const char* series) {
-    return chart.panel(panel).find(series)->points.front().y.median;
-}
-
-TEST(Charts, AllHavePointsACaptionAndAPicture) {
-    for (const ChartInfo& info : charts()) {
-        SCOPED_TRACE(info.name);
-        const Chart chart = make(info.name, is_embree_available());
-        EXPECT_EQ(chart.name, info.name);
-        EXPECT_GT(chart.caption.size(), 50u);
-        EXPECT_EQ(chart.caption.find("nan"), std::string::npos) << chart.caption;
-        for (const Panel& panel : chart.panels) {
-            SCOPED_TRACE(panel.name);
-            EXPECT_GE(panel.series.size(), 2u);
-            for (const Series& series : panel.series) {
-                EXPECT_FALSE(series.points.empty());
-                for (const Point& point : series.points) {
-                    EXPECT_TRUE(!panel.x.is_log || point.x.low > 0.0) << series.name << ' ' << point.x.low;
-                    EXPECT_TRUE(!panel.y.is_log || point.y.low > 0.0) << series.name << ' ' << point.y.low;
-                }
-            }
-        }
-        // In one picture no two series look alike.
-        std::set<std::pair<unsigned, int>> looks;
-        std::set<std::string> names;
-        for (const Panel& panel : chart.panels) {
-            for (const Series& series : panel.series) {
-                const Style& style = style_of(series.name);
-                if (!names.insert(series.name).second) continue;
-                EXPECT_TRUE(looks.insert({style.colour, style.shape}).second) << series.name;
-            }
-        }
-        const std::string program = gnuplot_program(chart);
-        for (const Panel& panel : chart.panels) EXPECT_NE(program.find(panel.name), std::string::npos) << panel.name;
-    }
-}
-
 /// By counted work of rays, of which the sensor sees a prediction only.
 TEST(Charts, RebuildsByTheSensorTakeAtMostTwiceTheBestChoice) {
-    const Chart chart = make("policy");
+    const Chart chart = make_tiny("policy");
     for (const char* const motion : {"ripple", "walk", "twist", "explosion"}) {
         const auto y = [&](const char* series, double x) { return chart.point(motion, series, x).y.median; };
         for (const char* const series : {"always refitted", "always rebuilt", "by the sensor"})
@@ -86,101 +25,8 @@ TEST(Charts, RebuildsByTheSensorTakeAtMostTwiceTheBestChoice) {
     }
 }
 
-/// Tighter boxes and opened instances are there to save nodes. Two in a hundred is what another tree over them may lose.
-TEST(Charts, TightBoxesAndOpenedInstancesSaveNodes) {
-    const Chart chart = make("placing");
-    for (const char* const scene : {"instances-100: nodes", "default: nodes", "mixed-1: nodes"}) {
-        const double plain = y_of(chart, scene, "turned boxes");
-        for (const char* const series : {"tight boxes", "turned boxes, opened", "tight boxes, opened"})
-            EXPECT_LE(y_of(chart, scene, series), 1.02 * plain) << scene << ", " << series;
-    }
-    EXPECT_LE(y_of(chart, "instances-100: nodes", "tight boxes"),
-              0.97 * y_of(chart, "instances-100: nodes", "turned boxes"));
-}
-
-/// Both are greedy, and neither is the better one everywhere: over boxes scattered evenly, trees of the exact form cost up
-/// to 6 % more than those of the fast one, less over few.
-TEST(Charts, ExactAndFastClusteringAreWorthNearlyTheSame) {
-    for (const uint64_t seed : {1, 2, 3, 4, 5}) {
-        SCOPED_TRACE(::testing::Message() << "seed " << seed);
-        Rng rng(seed);
-        const std::vector<Aabb> boxes = scattered_boxes(1500, rng);
-        PlocScratch scratch;
-        const double exact = sah_cost(build_agglomerative(boxes));
-        for (const uint32_t radius : {2u, 8u, 32u}) {
-            const double fast = sah_cost(build_ploc(boxes, {.search_radius = radius}, {}, &scratch));
-            EXPECT_LE(exact, 1.12 * fast) << "radius " << radius;
-            EXPECT_LE(fast, 1.12 * exact) << "radius " << radius;
-        }
-    }
-}
-
-TEST(Charts, MoreBinsAreNeverWorseInTheMean) {
-    std::vector<MeshSample> samples;
-    for (const char* const scene : {"static-30000", "deforming-60", "arbitrary-10000"})
-        samples.push_back(sample_mesh({.scene = scene, .motion = Motion::kStatic, .side = 8}));
-    double before = std::numeric_limits<double>::infinity();
-    for (const int bin_count : {4, 8, 16, 32, 64}) {
-        double product = 1.0;
-        for (const MeshSample& sample : samples) {
-            Blas blas;
-            BlasScratch scratch;
-            binned(bin_count).build(sample.mesh, &blas, &scratch);
-            product *= sah_cost(blas.tree, 1.0f);
-        }
-        const double mean = std::cbrt(product);
-        EXPECT_LE(mean, 1.02 * before) << bin_count << " bins";
-        before = std::min(before, mean);
-    }
-}
-
-TEST(Charts, BinnedWithTheDefaultBinsIsTheEnginesOwn) {
-    const MeshSample sample = sample_mesh(mesh_subjects({.size = Size::kTiny})[0]);
-    Blas ours, engines;
-    BlasScratch scratch;
-    binned(blas_binned_config().bin_count).build(sample.mesh, &ours, &scratch);
-    builder(BlasBuilder::kBinned).build(sample.mesh, &engines, &scratch);
-    ASSERT_EQ(ours.tree.nodes.size(), engines.tree.nodes.size());
-    EXPECT_EQ(std::memcmp(ours.tree.nodes.data(), engines.tree.nodes.data(), ours.tree.nodes.size() * sizeof(WideNode)), 0);
-}
-
-TEST(Charts, TheDefaultBuilderIsWhatTheEngineUses) {
-    for (const MeshSubject& subject : mesh_subjects({.size = Size::kTiny})) {
-        SCOPED_TRACE(subject.scene);
-        Content content = open_scene(subject.scene, 24.0);
-        content.scene.clip_poses = 1;  // Trees over several poses have a chart of their own.
-        const Tlas& tlas = advance(content, 0.0, nullptr);
-        uint64_t triangle_count = 0;
-        for (const Instance& instance : tlas.instances) triangle_count += instance.mesh->corners.size();
-        for (const Instance& instance : tlas.instances) {
-            EXPECT_EQ(instance.motion, subject.motion);
-            Blas blas;
-            build_blas(instance.positions, instance.mesh->corners, default_builder(subject.motion, triangle_count), &blas);
-            const auto& nodes = instance.blas->tree.nodes;
-            ASSERT_EQ(blas.tree.nodes.size(), nodes.size());
-            EXPECT_EQ(std::memcmp(blas.tree.nodes.data(), nodes.data(), nodes.size() * sizeof(WideNode)), 0);
-        }
-    }
-}
-
-TEST(Charts, BetterBuildersMakeBetterTrees) {
-    const Chart chart = make("builders");
-    for (const MeshSubject& subject : mesh_subjects({.size = Size::kTiny})) {
-        SCOPED_TRACE(subject.scene);
-        const auto sah = [&](const char* series) { return y_of(chart, (subject.scene + ": SAH").c_str(), series); };
-        EXPECT_LT(sah("binned"), sah("median split"));
-        EXPECT_LE(sah("sweep"), 1.03 * sah("binned"));
-        EXPECT_LE(sah("reinserted"), 1.01 * sah("sweep"));
-        EXPECT_LT(sah("SBVH"), sah("median split"));
-        const auto nodes = [&](const char* series) {
-            return y_of(chart, (subject.scene + ": nodes a ray visits").c_str(), series);
-        };
-        EXPECT_LT(nodes("reinserted"), nodes("median split"));
-    }
-}
-
 TEST(Charts, OnlyTheTestThatIsNotWatertightMissesEdges) {
-    const Chart chart = make("triangle");
+    const Chart chart = make_tiny("triangle");
     const char* const panel = "One test: missed at edges";
     EXPECT_NE(chart.panel(panel).find("ours")->points[0].label, "") << "some were missed";
     EXPECT_GT(y_of(chart, panel, "Moeller-Trumbore"), 1e6);
@@ -190,7 +36,7 @@ TEST(Charts, OnlyTheTestThatIsNotWatertightMissesEdges) {
 }
 
 TEST(Charts, ErrorsGrowWithTheDistanceUnlessAMatrixOnlyMovesOrTheWorldBeginsThere) {
-    const Chart chart = make("far");
+    const Chart chart = make_tiny("far");
     const Panel& error = chart.panel("Error of where those with the right triangle hit it");
     for (const char* const series : {"instanced, turned", "baked"}) {
         const std::vector<Point>& points = error.find(series)->points;
@@ -204,7 +50,7 @@ TEST(Charts, ErrorsGrowWithTheDistanceUnlessAMatrixOnlyMovesOrTheWorldBeginsTher
 /// Of a section that follows both joints by halves and so on, linear blending leaves 1 - 2 s (1 - s) (1 - cos a); in the
 /// mean over shares from 0 to 1, it loses a third of 1 - cos a.
 TEST(Charts, ATwistLosesTheVolumeThatTheFormulaSaysAndNoneByDualQuaternions) {
-    const Chart chart = make("skinning");
+    const Chart chart = make_tiny("skinning");
     const char* const panel = "Volume lost by a twist";
     const Rod rod(96, 32);
     const double blended = 2.0 * M_PI * 0.25 / rod.volume();  // Of its volume: 2 long, of radius 0.5.
@@ -221,7 +67,7 @@ TEST(Charts, ATwistLosesTheVolumeThatTheFormulaSaysAndNoneByDualQuaternions) {
 }
 
 TEST(Charts, FinerLevelsAreNearerToTheLimitSurfaceAndThePickedOneIsNearEnough) {
-    const Chart chart = make("subdivision");
+    const Chart chart = make_tiny("subdivision");
     for (const Panel& panel : chart.panels) EXPECT_EQ(panel.series.size(), 6u);
     size_t picked_count = 0;
     for (const Series& series : chart.panels[0].series) {
@@ -251,7 +97,7 @@ TEST(Charts, FinerLevelsAreNearerToTheLimitSurfaceAndThePickedOneIsNearEnough) {
 }
 
 TEST(Charts, RefittingCostsNothingAtFirstAndMostWhereMotionScrambles) {
-    const Chart chart = make("degradation");
+    const Chart chart = make_tiny("degradation");
     const Panel& sah = chart.panel("SAH");
     for (const Series& series : sah.series) EXPECT_DOUBLE_EQ(series.points.front().y.median, 1.0) << series.name;
     const auto worst = [&](const char* series) {
@@ -268,18 +114,9 @@ TEST(Charts, RefittingCostsNothingAtFirstAndMostWhereMotionScrambles) {
     EXPECT_GT(worst("explosion, rotated"), 1.3) << "rotations do not replace rebuilds";
 }
 
-TEST(Charts, WhatABuilderTakesInAllIsNeverLessThanTheBest) {
-    const Chart chart = make("pays-off");
-    for (const Panel& panel : chart.panels) {
-        for (const Series& series : panel.series)
-            for (const Point& point : series.points) EXPECT_GE(point.y.median, 1.0) << panel.name << ' ' << series.name;
-        EXPECT_GT(panel.find("SBVH")->points.front().y.median, 1.0) << "no build is cheaper than SBVH's";
-    }
-}
-
 /// The error of a mean of independent samples goes with the power -1/2, and of samples that are spread evenly faster.
 TEST(Charts, NoiseGoesWithTheRootOfTheSamples) {
-    const Chart chart = make("picture");
+    const Chart chart = make_tiny("picture");
     const Panel& panel = chart.panels[0];
     const Series &random = *panel.find("4 bounces, random"), &spread = *panel.find("4 bounces");
     EXPECT_NEAR(power_of_doubling(random.points), -0.5, 0.05);
@@ -288,7 +125,7 @@ TEST(Charts, NoiseGoesWithTheRootOfTheSamples) {
 }
 
 TEST(Charts, LightThatBouncesMoreOftenIsMissedLess) {
-    const Chart chart = make("picture");
+    const Chart chart = make_tiny("picture");
     double before = std::numeric_limits<double>::infinity();
     for (const char* const name : {"no bounce", "1 bounce", "2 bounces"}) {
         const double left = chart.panels[0].find(name)->points.back().y.median;
@@ -299,12 +136,26 @@ TEST(Charts, LightThatBouncesMoreOftenIsMissedLess) {
 
 /// Where a clip goes far from its first frame, a tree that was built over more of it serves it better.
 TEST(Charts, TreesOverAClipServeItBetterThanThoseOfItsFirstFrame) {
-    const Chart chart = make("clip");
+    const Chart chart = make_tiny("clip");
     const auto mean = [&](const char* motion, double poses) {
         return chart.point(chart.panels[0].name, motion, poses).y.median;
     };
     EXPECT_LT(mean("twist", 8), 0.9 * mean("twist", 1));
     for (const char* const motion : {"ripple", "walk"}) EXPECT_LT(mean(motion, 8), 1.05 * mean(motion, 1)) << motion;
+}
+
+/// The one thing of it that no clock tells: what is beside what.
+TEST(Charts, OneThreadIsAsFastAsItself) {
+    const Chart chart = make_tiny("threads");
+    EXPECT_EQ(chart.panels.size(), 3u);
+    for (const Panel& panel : chart.panels) {
+        for (const Series& series : panel.series) {
+            EXPECT_EQ(series.points.front().x.median, 1.0) << panel.name << ", " << series.name;
+            EXPECT_EQ(series.points.front().y.median, 1.0) << panel.name << ", " << series.name;
+            EXPECT_EQ(series.points.back().x.median, thread_count()) << panel.name << ", " << series.name;
+        }
+        for (const Point& point : panel.find("ideal")->points) EXPECT_EQ(point.y.median, point.x.median);
+    }
 }
 
 }  // namespace
