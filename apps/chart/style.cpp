@@ -101,6 +101,13 @@ constexpr std::array kStyles = {
     Style{"4 bounces", kGreen, kCircle, true},
     Style{"8 bounces", kPurple, kDiamond, true},
     Style{"4 bounces, random", kGreen, kOpenCircle, true},
+    // How light is looked for.
+    Style{"both ways", kGreen, kCircle, true},
+    Style{"rays towards lights", kOrange, kSquare, true},
+    Style{"bounces alone", kPurple, kDiamond, true},
+    // Which level of a texture is looked up.
+    Style{"by ray cones", kGreen, kCircle, true},
+    Style{"always the finest", kOrange, kSquare, true},
     // When trees are rebuilt.
     Style{"always refitted", kSkyBlue, kOpenTriangle, true},
     Style{"always rebuilt", kOrange, kOpenSquare, true},

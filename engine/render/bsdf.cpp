@@ -27,7 +27,7 @@ float coat_albedo(float cosine, const GgxAlbedo& albedo) {
 }
 
 bool has_facets(const Surface& surface) {
-    return surface.metallic > 0.0f || surface.specular > 0.0f;
+    return surface.metallic > 0.0f || surface.specular > 0.0f || surface.is_frosted();
 }
 
 /// How wide an angle a density stands for.
@@ -77,7 +77,7 @@ Bsdf::Bsdf(const Surface& surface, const glm::vec3& to_viewer)
     }
     const glm::vec3 under = surface.base_color * (1.0f - surface.metallic);
     diffuse_ = under * (1.0f - surface.transmission);
-    if (is_body) through_ = under * surface.transmission;
+    if (is_body || surface.is_frosted()) through_ = under * surface.transmission;
     if (largest(surface.sheen_color) > 0.0f) {
         sheen_ = largest(surface.sheen_color) * sheen_albedo(std::max(cosine, 0.0f), surface.sheen_roughness);
     }
@@ -145,11 +145,26 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
     return result;
 }
 
+/// What passes a frosted sheet: as its facets would reflect it, mirrored at the sheet, and none of it is lost.
+/// from_light the direction that light comes from, so mirrored.
+Bsdf::Value Bsdf::frosted_unfolded(const glm::vec3& from_light) const {
+    const glm::vec3 light = frame_.to_local(from_light), sum = frame_.viewer + light;
+    const float length = glm::length(sum);
+    if (!(light.z > 0.0f) || !(length > 0.0f)) return {};
+    const float density = ggx_density(sum / length, alpha_) / (4.0f * frame_.viewer.z);
+    const float passes = under_ * (1.0f - sheen_) * (1.0f - coat_) / albedo_.at(frame_.viewer.z).all;
+    return {through_ * (passes * density / (1.0f + hidden_ + ggx_hidden(light, alpha_))),
+            share_[kThrough] * density / (1.0f + hidden_)};
+}
+
 Bsdf::Value Bsdf::evaluate(const glm::vec3& to_light) const {
-    if (is_black() || (surface_.is_body() && surface_.is_inside) || !(glm::dot(surface_.ng, to_light) > 0.0f)) return {};
-    Value result = evaluate_unfolded(to_light);
+    if (is_black() || (surface_.is_body() && surface_.is_inside)) return {};
+    const bool is_above = glm::dot(surface_.ng, to_light) > 0.0f;
+    if (!is_above && !surface_.is_frosted()) return {};
+    const glm::vec3 mirrored = mirror(to_light, surface_.ng);
+    Value result = is_above ? evaluate_unfolded(to_light) : frosted_unfolded(mirrored);
     if (surface_.ns == surface_.ng && frame_.z == surface_.ng && coat_frame_.z == surface_.ng) return result;
-    const Value folded = evaluate_unfolded(mirror(to_light, surface_.ng));
+    const Value folded = is_above ? evaluate_unfolded(mirrored) : frosted_unfolded(to_light);
     result.value += folded.value;
     result.density += folded.density;
     return result;
@@ -166,7 +181,7 @@ std::optional<Bsdf::Sample> Bsdf::sample(const glm::vec2& u, float pick) const {
         if (pick < share_[i]) break;
         pick -= share_[i];
     }
-    if (lobe == kThrough) return refract(u);
+    if (lobe == kThrough && surface_.is_body()) return refract(u);
 
     Sample sample;
     if (lobe == kDiffuse) {
@@ -178,7 +193,8 @@ std::optional<Bsdf::Sample> Bsdf::sample(const glm::vec2& u, float pick) const {
         if (!(local.z > 0.0f)) return std::nullopt;
         sample.direction = glm::normalize(frame.to_world(local));
     }
-    if (glm::dot(surface_.ng, sample.direction) < 0.0f) sample.direction = mirror(sample.direction, surface_.ng);
+    const bool is_under = glm::dot(surface_.ng, sample.direction) < 0.0f;
+    if (is_under != (lobe == kThrough)) sample.direction = mirror(sample.direction, surface_.ng);
     const Value value = evaluate(sample.direction);
     if (!(value.density > 0.0f)) return std::nullopt;
     sample.weight = value.value / value.density;
@@ -222,7 +238,8 @@ std::optional<Bsdf::Sample> Bsdf::cross_from_inside(const glm::vec2& u, float pi
 }
 
 glm::vec3 passes_straight(const Surface& surface, const glm::vec3& to_viewer) {
-    if (!(surface.transmission > 0.0f) || surface.is_body() || surface.is_unlit) return glm::vec3(0.0f);
+    if (!(surface.transmission > 0.0f) || surface.is_body() || surface.is_frosted() || surface.is_unlit)
+        return glm::vec3(0.0f);
     glm::vec3 passes = surface.base_color * ((1.0f - surface.metallic) * surface.transmission);
     const float cosine = std::max(glm::dot(surface.ns, to_viewer), kLeastCosine);
     if (has_facets(surface)) {

@@ -27,9 +27,9 @@ namespace zoe {
 ///          \..'             ... that end up here are mirrored at the line.
 ///
 /// From the top: a coat over sheen over the base, which is part metal and part dielectric. The dielectric reflects, and what
-/// it does not is diffuse or, in bodies with a volume, passes. All but coats and sheen keep what several facets reflect.
-/// Source     The glTF 2.0 specification, appendix B, and KHR_materials_specular, _ior, _transmission, _volume, _clearcoat
-/// and
+/// it does not is diffuse or passes: into bodies with a volume, or through frosted sheets. All but coats and sheen keep what
+/// several facets reflect.
+/// Source     The glTF 2.0 specification, appendix B, and KHR_materials_specular, _ior, _transmission, _volume, _clearcoat,
 ///            _sheen. Kulla, Conty. Revisiting Physically Based Shading at Imageworks. 2017, for light between facets, and
 ///            so that white stays white under a reflecting surface. Deviation: a layer takes from the ones under it by the
 ///            larger of the shares that it reflects towards both directions, which is reciprocal and makes no light; what
@@ -40,10 +40,10 @@ public:
     Bsdf(const Surface& surface, const glm::vec3& to_viewer);
 
     struct Value {
-        glm::vec3 value{0.0f};  ///< Times the cosine. Reflection only.
+        glm::vec3 value{0.0f};  ///< Times the cosine.
         float density = 0.0f;   ///< Of `sample`, per steradian.
     };
-    /// For light from a unit direction. Zero under the surface.
+    /// For light from a unit direction. Zero under the surface, but for frosted sheets.
     Value evaluate(const glm::vec3& to_light) const;
 
     struct Sample {
@@ -70,6 +70,7 @@ private:
     enum Lobe { kDiffuse, kFacets, kCoat, kThrough, kLobeCount };
 
     Value evaluate_unfolded(const glm::vec3& to_light) const;
+    Value frosted_unfolded(const glm::vec3& from_light) const;
     Sample refract(const glm::vec2& u) const;
     std::optional<Sample> cross_from_inside(const glm::vec2& u, float pick) const;
     float under_layers(float reflected, float also_reflected) const;
@@ -110,13 +111,13 @@ inline glm::vec3 sample_cosine(const glm::vec3& normal, const glm::vec2& u) {
 inline float past_terminator(const Surface& surface, const glm::vec3& to_light) {
     const float smooth = glm::dot(surface.ns, to_light) * glm::dot(surface.ng, surface.ns);
     const float share = glm::dot(surface.ng, to_light);
-    if (surface.ns == surface.ng || !(smooth > share)) return 1.0f;
+    if (surface.ns == surface.ng || !(smooth > share) || !(smooth > 0.0f)) return 1.0f;
     const float g = std::max(share / smooth, 0.0f);
     return g * (1.0f + g - g * g);
 }
 
 /// The share of light from straight behind that a thin sheet lets pass, by colour: KHR_materials_transmission without a
-/// volume.
+/// volume. None where it is frosted.
 glm::vec3 passes_straight(const Surface& surface, const glm::vec3& to_viewer);
 
 /// The share of all that lies straight behind that reaches the viewer, through holes, half holes and thin sheets.

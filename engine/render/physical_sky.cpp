@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
+#include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
@@ -56,7 +57,13 @@ glm::dvec3 left_after(const Amounts& amounts) {
     return glm::exp(-(amounts.x * kAir + amounts.y * kHaze + amounts.z * kOzone));
 }
 
-/// The way from a point to where the air ends. r, cosine     distance from the earth's centre, and of the direction to up.
+/// What scatters on a metre.
+glm::dvec3 scattered_by(const Amounts& amounts) {
+    return amounts.x * kAir + amounts.y * kHazeWhite * kHaze;
+}
+
+/// The way from a point to where the air ends.
+/// r, cosine  distance from the earth's centre, and of the direction to up.
 double way_out(double r, double cosine) {
     const double along = r * cosine;
     return std::sqrt(std::max(0.0, along * along + kTop * kTop - r * r)) - along;
@@ -97,8 +104,83 @@ double haze_phase(double cosine) {
     return 3.0 / (8.0 * kPi) * (1.0 - g * g) / (2.0 + g * g) * (1.0 + cosine * cosine) / (apart * std::sqrt(apart));
 }
 
+/// Where a direction from a point leads, in steps: to where the air ends, or to the ground.
+struct Way {
+    double length;
+    bool is_grounded;
+};
+Way way_of(double r, double cosine) {
+    if (!meets_ground(r, cosine)) return {way_out(r, cosine), false};
+    const double along = r * cosine;
+    return {-along - std::sqrt(along * along - r * r + kEarth * kEarth), true};
+}
+
+/// Light that was scattered twice or more often, at heights and angles between up and the sun. Each time after the first it
+/// is taken to go everywhere alike, and to meet as much as light does at the point itself: then all times add up to a
+/// geometric series.
+class ScatteredOften {
+public:
+    explicit ScatteredOften(double sun_angle) : first_angle_(sun_angle - kAngleReach) {
+        parallel_for(0, entries_.size(), 1, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) {
+                const double share = static_cast<double>(i / kAngles) / (kHeights - 1);
+                entries_[i] = measure(share * share * (kTop - kEarth),
+                                      first_angle_ + 2.0 * kAngleReach * static_cast<double>(i % kAngles) / (kAngles - 1));
+            }
+        });
+    }
+
+    /// The mean radiance from all around, for a sun of irradiance 1.
+    glm::dvec3 at(double height, double angle) const {
+        const double h = std::sqrt(std::clamp(height / (kTop - kEarth), 0.0, 1.0)) * (kHeights - 1),
+                     a = std::clamp((angle - first_angle_) / (2.0 * kAngleReach), 0.0, 1.0) * (kAngles - 1);
+        const size_t i = std::min(static_cast<size_t>(h), kHeights - 2), j = std::min(static_cast<size_t>(a), kAngles - 2);
+        const double hi = h - static_cast<double>(i), aj = a - static_cast<double>(j);
+        const glm::dvec3* const low = &entries_[i * kAngles + j];
+        return glm::mix(glm::mix(low[0], low[1], aj), glm::mix(low[kAngles], low[kAngles + 1], aj), hi);
+    }
+
+private:
+    static constexpr size_t kHeights = 12, kAngles = 9;
+    static constexpr double kAngleReach = 0.165;  // how far up turns along the longest way through the air
+    static constexpr int kUps = 8, kRounds = 8, kSteps = 12;
+
+    static glm::dvec3 measure(double height, double sun_angle) {
+        const glm::dvec3 from(0.0, kEarth + std::clamp(height, 1.0, kTop - kEarth - 1.0), 0.0);
+        const glm::dvec3 sun(std::sin(sun_angle), std::cos(sun_angle), 0.0);
+        glm::dvec3 once(0.0), again(0.0);  // light scattered once from all around; what of light from everywhere comes back
+        for (int i = 0; i < kUps * kRounds; ++i) {
+            const double up = (i / kRounds + 0.5) * 2.0 / kUps - 1.0, round = (i % kRounds + 0.5) * kPi / kRounds;
+            const double flat = std::sqrt(1.0 - up * up);
+            const glm::dvec3 direction(flat * std::cos(round), up, flat * std::sin(round));  // the other half is as this one
+            const Way way = way_of(from.y, up);
+            Amounts behind(0.0);
+            for (int k = 0; k < kSteps; ++k) {
+                const Step step = step_of(k, kSteps);
+                const glm::dvec3 point = from + (step.middle * way.length) * direction;
+                const double r = glm::length(point), cosine = glm::dot(point, sun) / r;
+                const Amounts here = amounts_at(r - kEarth), half = here * (0.5 * step.length * way.length);
+                behind += half;
+                const glm::dvec3 arrives = scattered_by(here) * left_after(behind) * (step.length * way.length);
+                again += arrives;
+                if (!meets_ground(r, cosine)) once += arrives * left_after(toward_space(r, cosine)) / (4.0 * kPi);
+                behind += half;
+            }
+            if (!way.is_grounded) continue;
+            const glm::dvec3 ground = from + way.length * direction;
+            const double cosine = glm::dot(ground, sun) / kEarth;
+            if (cosine > 0.0) once += left_after(behind + toward_space(kEarth, cosine)) * (kGroundAlbedo / kPi * cosine);
+        }
+        constexpr double kCount = kUps * kRounds;
+        return once / kCount / (1.0 - again / kCount);
+    }
+
+    double first_angle_;
+    std::vector<glm::dvec3> entries_ = std::vector<glm::dvec3>(kHeights * kAngles);
+};
+
 /// The radiance from above the horizon, for a sun of irradiance 1.
-glm::dvec3 scattered_once(const glm::dvec3& direction, const glm::dvec3& toward_sun) {
+glm::dvec3 sky_from(const glm::dvec3& direction, const glm::dvec3& toward_sun, const ScatteredOften& often) {
     const glm::dvec3 eye(0.0, kEarth + kEyeHeight, 0.0);
     const double turned = glm::dot(direction, toward_sun);
     const glm::dvec3 by_air = kAir * air_phase(turned), by_haze = kHaze * (kHazeWhite * haze_phase(turned));
@@ -115,12 +197,15 @@ glm::dvec3 scattered_once(const glm::dvec3& direction, const glm::dvec3& toward_
             const glm::dvec3 scatters = here.x * by_air + here.y * by_haze;
             radiance += scatters * left_after(behind + toward_space(r, cosine)) * (step.length * way);
         }
+        radiance += scattered_by(here) * often.at(r - kEarth, std::acos(std::clamp(cosine, -1.0, 1.0))) *
+                    left_after(behind) * (step.length * way);
         behind += half;
     }
     return radiance;
 }
 
-/// What of a disc is above the horizon. height     of its centre, in its radii.
+/// What of a disc is above the horizon.
+/// height     of its centre, in its radii.
 double share_above(double height) {
     const double h = std::clamp(height, -1.0, 1.0);
     return 1.0 - (std::acos(h) - h * std::sqrt(1.0 - h * h)) / kPi;
@@ -147,10 +232,12 @@ glm::vec3 sky_direction(double elevation_degrees, double azimuth_degrees) {
 Environment make_physical_sky(const glm::vec3& toward_sun) {
     constexpr int kSkyHeight = kHeight / 2;
     const glm::dvec3 sun = glm::normalize(glm::dvec3(toward_sun));
+    const ScatteredOften often(std::acos(sun.y));
     std::vector<glm::dvec3> sky(static_cast<size_t>(kSkyHeight) * kWidth);
     parallel_for(0, kSkyHeight, 1, [&](size_t begin, size_t end) {
         for (size_t i = begin * kWidth; i < end * kWidth; ++i) {
-            sky[i] = kPi * scattered_once(pixel_direction(static_cast<int>(i % kWidth), static_cast<int>(i / kWidth)), sun);
+            const glm::dvec3 direction = pixel_direction(static_cast<int>(i % kWidth), static_cast<int>(i / kWidth));
+            sky[i] = kPi * sky_from(direction, sun, often);
         }
     });
 

@@ -249,7 +249,7 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     const bool is_mirrored = has_mirror(scene, hit.node);
     surface.is_inside = !is_front(is_mirrored, corners, ray.direction);
     surface.light_opacity = surface.opacity;
-    if (!material.is_double_sided && !surface.is_body()) {
+    if (!material.is_double_sided && !surface.is_body() && !surface.is_frosted()) {
         (surface.is_inside ? surface.opacity : surface.light_opacity) = 0.0f;
     }
     const glm::vec3 front = front_of(corners, -ray.direction, is_mirrored ? -1.0f : 1.0f);

@@ -36,6 +36,9 @@ struct Surface {
 
     /// Light passes into a volume.
     bool is_body() const { return has_volume && transmission > 0.0f; }
+    /// A thin sheet that scatters what passes; smoother ones let it pass straight, and so bring sharp light to what is
+    /// behind.
+    bool is_frosted() const { return !has_volume && transmission > 0.0f && roughness > 0.1f; }
 };
 
 /// How wide a ray is: what it stands for among the rays of its pixel.
@@ -62,7 +65,8 @@ enum class Detail : uint8_t {
 ///     ray ------>  back | front  ------> what lies behind is seen
 ///     ray <------ front | back   <------ light from behind arrives
 ///
-/// A material with a volume has two sides whatever it says: its inside has to be seen.
+/// A material with a volume has two sides whatever it says: its inside has to be seen. So has a frosted sheet, which
+/// scatters light on its way in and on its way out.
 /// cone       how finely textures are looked up; the holes of alpha masks are always sharp.
 /// Requires   hit, and that the ray is the one that hit, in the last frame that was made of the scene.
 Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const Hit& hit, const RayCone& cone = {},

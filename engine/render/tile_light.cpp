@@ -129,7 +129,8 @@ float TileTracer::density_seen(const Surface& lamp, const glm::vec3& from, const
 void TileTracer::add_shadow(const Surface& surface, const Ray& ray, uint32_t path_index, const glm::vec3& radiance,
                             Toward toward) {
     // Beyond the offset the light may turn out to be on the other side: then the surface itself is in the way.
-    if (!(largest(radiance) > 0.0f) || !(glm::dot(surface.ng, ray.direction) > 0.0f)) return;
+    const bool is_above = glm::dot(surface.ng, ray.origin - surface.position) > 0.0f;
+    if (!(largest(radiance) > 0.0f) || (glm::dot(surface.ng, ray.direction) > 0.0f) != is_above) return;
     shadows_.push(ray, path_index, paths_[path_index].throughput * radiance, toward);
 }
 

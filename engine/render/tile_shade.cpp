@@ -15,6 +15,20 @@ namespace {
 constexpr uint32_t kRouletteFromBounce = 2;
 /// What a bounce widens a path's cone by, of the angle that its direction stands for: samples of a pixel share that angle.
 constexpr float kBounceSpread = 1.0f / 16.0f;
+/// Triangles lie all over the memory: those of later hits are fetched while one is shaded, corners first.
+constexpr size_t kCornersAhead = 8, kVerticesAhead = 4;
+
+void fetch_corners(const Tlas& tlas, const Hit& hit) {
+    if (hit) __builtin_prefetch(&tlas[hit.node].mesh->corners[hit.primitive]);
+}
+
+void fetch_vertices(const Tlas& tlas, const Hit& hit) {
+    if (!hit) return;
+    const Instance& instance = tlas[hit.node];
+    const uint32_t vertex = instance.mesh->corners[hit.primitive].x;  // the others are near it, as a rule
+    __builtin_prefetch(&instance.positions[vertex]);
+    if (!instance.normals.empty()) __builtin_prefetch(&instance.normals[vertex]);
+}
 
 }  // namespace
 
@@ -22,6 +36,8 @@ void TileTracer::shade_hits(uint32_t bounce, uint32_t pass_through) {
     for (size_t i = 0; i < current_.rays.size(); ++i) {
         const Ray& ray = current_.rays[i];
         const uint32_t path_index = current_.paths[i];
+        if (i + kCornersAhead < hits_.size()) fetch_corners(pass_->tlas, hits_[i + kCornersAhead]);
+        if (i + kVerticesAhead < hits_.size()) fetch_vertices(pass_->tlas, hits_[i + kVerticesAhead]);
         if (!hits_[i]) {
             if (pass_through == 0 || bounce == 0) add_sky(ray, path_index);
             continue;

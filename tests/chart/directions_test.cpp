@@ -134,6 +134,26 @@ TEST(Charts, LightThatBouncesMoreOftenIsMissedLess) {
     }
 }
 
+/// At equal samples. Lamps are too small for bounces to meet, and mirrors too smooth for rays towards lights: both together
+/// are never much worse than the better one.
+TEST(Charts, LookingForLightBothWaysIsNoWorseThanEither) {
+    const Panel panel = make("lights").panels[0];
+    const Series &both = *panel.find("both ways"), &lights = *panel.find("rays towards lights"),
+                 &bounces = *panel.find("bounces alone");
+    for (size_t k = 0; k < both.points.size(); ++k) {
+        EXPECT_LT(both.points[k].y.median, 1.05 * lights.points[k].y.median) << both.points[k].label;
+        EXPECT_LT(both.points[k].y.median, 0.9 * bounces.points[k].y.median) << both.points[k].label;
+    }
+}
+
+/// At equal samples: coarser levels stand for many samples at once, and what they blur more samples do not bring back.
+TEST(Charts, CoarserLevelsSaveSamples) {
+    const Panel panel = make("filtering").panels[0];
+    const Series &cones = *panel.find("by ray cones"), &finest = *panel.find("always the finest");
+    for (const size_t k : {0u, 1u, 2u}) EXPECT_LT(cones.points[k].y.median, 0.7 * finest.points[k].y.median) << k;
+    EXPECT_LT(power_of_doubling(finest.points), power_of_doubling(cones.points));
+}
+
 /// Where a clip goes far from its first frame, a tree that was built over more of it serves it better.
 TEST(Charts, TreesOverAClipServeItBetterThanThoseOfItsFirstFrame) {
     const Chart chart = make_tiny("clip");

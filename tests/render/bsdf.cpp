@@ -232,13 +232,62 @@ TEST(Bsdf, SmoothBodiesBendLightBySnellsLaw) {
 }
 
 TEST(Bsdf, AThinSheetReflectsWhatItDoesNotLetPass) {
-    for (float roughness : {0.0f, 0.3f, 0.9f}) {
+    for (float roughness : {0.0f, 0.09f, 0.11f, 0.3f, 0.9f}) {
         for (float cosine : {0.1f, 0.5f, 1.0f}) {
             Surface sheet = white(0.0f, roughness);
             sheet.transmission = 1.0f;
-            const double reflected = shown(sheet, at_cosine(cosine), 4096).r;
-            EXPECT_NEAR(reflected + static_cast<double>(passes_straight(sheet, at_cosine(cosine)).r), 1.0, 0.01);
+            const double scattered = shown(sheet, at_cosine(cosine), 16384).r;
+            EXPECT_NEAR(scattered + static_cast<double>(passes_straight(sheet, at_cosine(cosine)).r), 1.0, 0.01)
+                << "roughness " << roughness << ", cosine " << cosine;
         }
+    }
+}
+
+TEST(Bsdf, FrostedSheetsScatterWhatPassesAroundTheStraightWay) {
+    const uint64_t seed = 9;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    constexpr int kCount = 100000;
+    for (int round = 0; round < 8; ++round) {
+        Surface sheet = random_surface(rng, 0.4f);
+        sheet.transmission = rng.uniform(0.3f, 1.0f);
+        sheet.ng = random_direction(rng);
+        sheet.ns = sheet.coat_ns = round % 2 == 0 ? sheet.ng : random_direction_above(rng, sheet.ng);
+        const glm::vec3 viewer = random_direction_above(rng, sheet.ng);
+        const Bsdf bsdf(sheet, viewer);
+        double integral = 0.0, found = 0.0;
+        glm::dvec3 shows(0.0), sampled(0.0);
+        for (int i = 0; i < kCount; ++i) {
+            const Bsdf::Value value = bsdf.evaluate(random_direction(rng));
+            integral += static_cast<double>(value.density) * kSphere / kCount;
+            shows += glm::dvec3(value.value) * (kSphere / kCount);
+            const auto sample = bsdf.sample({rng.uniform(), rng.uniform()}, rng.uniform());
+            if (!sample) continue;
+            found += 1.0 / kCount;
+            sampled += glm::dvec3(sample->weight) / static_cast<double>(kCount);
+            EXPECT_EQ(sample->density, bsdf.evaluate(sample->direction).density);
+        }
+        EXPECT_NEAR(integral, found, 0.03) << "round " << round;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(shows[c], sampled[c], 0.03) << "round " << round;
+    }
+    // The rougher, the wider.
+    double last = 0.0;
+    for (const float roughness : {0.15f, 0.3f, 0.5f, 0.8f}) {
+        Surface sheet = white(0.0f, roughness);
+        sheet.transmission = 1.0f;
+        const glm::vec3 viewer = at_cosine(0.9f);
+        const Bsdf bsdf(sheet, viewer);
+        double apart = 0.0;
+        int count = 0;
+        for (uint32_t i = 0; i < 4096; ++i) {
+            const auto sample = bsdf.sample(uniform_2d({3, i}, 0), uniform_1d({3, i}, 1));
+            if (!sample || sample->direction.z > 0.0f) continue;
+            apart += static_cast<double>(glm::distance(sample->direction, -viewer));
+            ++count;
+        }
+        ASSERT_GT(count, 2000);
+        EXPECT_GT(apart / count, 1.5 * last) << roughness;
+        last = apart / count;
     }
 }
 

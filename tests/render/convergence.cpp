@@ -38,6 +38,12 @@ struct LitScene {
         pane.base_color.a = 0.5f;
         pane.alpha_mode = AlphaMode::kBlend;
         add_node(scene, make_floor(0.8f, 1.5f, scene.add(pane)), {{-1, 0, 0}});
+        Material frosted = floor;
+        frosted.base_color = {0.9f, 0.8f, 0.9f, 1};
+        frosted.specular = 1.0f;
+        frosted.transmission = 0.8f;
+        frosted.roughness = 0.5f;
+        add_node(scene, make_box(scene.add(frosted)), {{0.4f, -0.6f, 1.4f}, {1, 0, 0, 0}, glm::vec3(0.35f)});
         add_light(scene, {.kind = LightKind::kPoint, .intensity = 2.0f}, {{0, 1.2f, 1}});
     }
 
@@ -51,9 +57,9 @@ struct LitScene {
         RenderConfig config;
         config.environment = &sky;
         config.search = search;
-        constexpr int kSamples = 512;
+        constexpr int kSamples = 256;
         const Tlas& tlas = advance(scene, 0.0);
-        Film film(48, 36);
+        Film film(32, 24);
         film.sample_count = 1;
         if (!is_random) {
             render(scene, tlas, view, config, kSamples, &film, nullptr);

