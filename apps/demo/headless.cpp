@@ -13,8 +13,10 @@
 #include "apps/common/trace_events.h"
 #include "apps/common/write_file.h"
 #include "apps/demo/first_view.h"
+#include "engine/render/denoise.h"
 #include "engine/render/film.h"
 #include "engine/render/layers.h"
+#include "engine/render/past_frame.h"
 #include "engine/scene/image_levels.h"
 
 namespace zoe {
@@ -38,9 +40,21 @@ struct Run {
     TraceEvents events;
 };
 
+/// What smooths a frame by those before it.
+struct Smoothing {
+    PastFrame past;
+    Guides guides;
+    Denoiser denoiser;
+};
+
+/// What --spp says; as few as the window takes where pictures are smoothed.
+int sample_count_of(const Options& options) {
+    return options.spp.value_or(options.is_denoised ? 1 : kDefaultSpp);
+}
+
 /// Advances to the frame and traces it. Returns what it did.
 FrameStats make_frame(Content& content, const Options& options, const ViewChoice& view_choice, int frame, Film* film,
-                      Run* run, const std::function<void(double)>& report) {
+                      Smoothing* smoothing, Run* run, const std::function<void(double)>& report) {
     FrameStats stats;
     const Clock::time_point advance_begin = Clock::now();
     const Tlas& tlas = advance(content, frame / options.fps, &stats);
@@ -49,18 +63,28 @@ FrameStats make_frame(Content& content, const Options& options, const ViewChoice
     catch_interrupts();  // the first `advance` may be long, and until here nothing was written
 
     const View view = view_choice.view(content.scene, float(film->width) / float(film->height));
-    const int spp = options.spp.value_or(kDefaultSpp);
+    const int spp = sample_count_of(options);
     RenderConfig config;
     config.shade = options.shade;
     config.environment = options.environment.get();
     config.is_jittered = spp > 1;
     config.cancel = &is_interrupted();
+    if (options.is_denoised) {
+        config.is_jittered = false;
+        config.first_number = static_cast<uint32_t>(frame) * static_cast<uint32_t>(spp);
+        config.guides = &smoothing->guides;
+        smoothing->guides.past = &smoothing->past;
+    }
     film->clear();
     const Clock::time_point trace_begin = Clock::now();
     for (int done = 0; done < spp; done += kSamplesAPass) {
         const int sample_count = std::min(kSamplesAPass, spp - done);
         if (!render(content.scene, tlas, view, config, sample_count, film, &stats)) throw Interrupted("interrupted");
         report(double(done + sample_count) / spp);
+    }
+    if (options.is_denoised) {
+        smoothing->denoiser.filter(smoothing->guides, {}, film);
+        smoothing->past.keep(tlas, view);
     }
     report_rays(content.scene, stats.rays);
     run->events.add("trace", trace_begin, ms_since(trace_begin), frame);
@@ -77,7 +101,7 @@ PictureNotes notes_of(const Options& options, const ViewChoice& view_choice, con
             {"frame", fmt::format("{}", frame)},
             {"time", fmt::format("{:.9g} s", frame / options.fps)},
             {"camera", camera},
-            {"samples", fmt::format("{}", options.spp.value_or(kDefaultSpp))}};
+            {"samples", fmt::format("{}", sample_count_of(options))}};
 }
 
 /// What belongs to an EXR picture beside the film, from a frame that was just made. Makes the one before it.
@@ -124,6 +148,7 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
     const PictureSize size = options.size.value_or(kDefaultSize);
     set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
+    Smoothing smoothing;
     Layers layers;
     const bool has_layers = options.out.extension() == ".exr";
     const std::vector<int> missing = find_missing(options, size, run);
@@ -134,7 +159,7 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
             progress.update(static_cast<double>(i) + share, fmt::format("frame {}", frame));
         };
         if (is_interrupted()) throw Interrupted("interrupted");
-        const FrameStats stats = make_frame(content, options, view_choice, frame, &film, run, report);
+        const FrameStats stats = make_frame(content, options, view_choice, frame, &film, &smoothing, run, report);
         const Clock::time_point layers_begin = Clock::now();
         if (has_layers) {
             make_layers(content, options, view_choice, frame, film, &layers);

@@ -113,6 +113,10 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
     app.add_option("--out", texts.out, "Pictures' names, .png or .exr (out/frame_%04d.png)")
         ->type_name("PATTERN")
         ->group(pictures);
+    app.add_flag("--denoise", options.is_denoised,
+                 "Smooth each frame by its neighbours and the frames before, as the window does while it plays; 1 sample "
+                 "unless told")
+        ->group(pictures);
     app.add_flag("--resume", options.is_resumed, "Skip pictures that are there already (empty files do not count)")
         ->group(pictures);
     app.add_option("--stats", options.stats, "Times and counts of every frame, as JSON")->type_name("FILE")->group(pictures);
@@ -172,7 +176,7 @@ void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     require(extension == ".png" || extension == ".exr", fmt::format("--out {}: the name ends in .png or .exr", texts.out));
     require(options.frames.count() == 1 || options.out.has_number(),
             fmt::format("--out {}: several frames need a number in the name, such as frame_%04d.png", texts.out));
-    for (const char* const name : {"--frames", "--shard", "--out", "--resume", "--stats", "--trace"}) {
+    for (const char* const name : {"--frames", "--shard", "--out", "--denoise", "--resume", "--stats", "--trace"}) {
         if (app.count(name)) options.is_headless = true;
     }
 }
@@ -215,6 +219,10 @@ std::optional<Options> parse_options(int argc, char** argv) {
     require(options.screenshot_after_s >= 0.0 && options.screenshot_after_s <= 3600.0, "--after: a number from 0 to 3600");
     check_view(app, options, texts);
     check_pictures(app, options, texts);
+    require(!options.is_denoised || options.shade == Shade::kPath,
+            "--denoise is of the lit picture: it goes with --shade path");
+    require(!options.is_denoised || (!options.is_resumed && options.shard.count == 1),
+            "--denoise: frames depend on those before; it goes neither with --resume nor with --shard");
     require(!options.screenshot || !options.is_headless, "--screenshot is of the window; it does not go with --headless");
     return options;
 }

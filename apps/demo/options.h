@@ -34,6 +34,7 @@ struct Options {
     std::optional<PictureSize> size;
     std::optional<int> spp;
     Shade shade = Shade::kPath;
+    bool is_denoised = false;
     Grade grade;
     std::optional<std::string> sky;                  ///< A file that lights the scene ...
     std::shared_ptr<const Environment> environment;  ///< ... and what it holds, once it was read.

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "engine/math/parallel.h"
+#include "engine/render/guides.h"
 #include "engine/render/tile.h"
 
 namespace zoe {
@@ -80,6 +81,7 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     const auto start = std::chrono::steady_clock::now();
     static thread_local Workspace workspace;
     copy_sums(*film, &workspace.film);
+    if (config.guides != nullptr && film->sample_count == 0) config.guides->start(film->width, film->height);
     gather_lights(scene, config, &workspace.lighting);
     workspace.glow.gather(scene, tlas);
     const Pass pass{.scene = scene,
@@ -89,6 +91,7 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
                     .lighting = workspace.lighting,
                     .glow = workspace.glow,
                     .lets_light_pass = lets_light_pass(scene, tlas),
+                    .guides = film->sample_count == 0 ? config.guides : nullptr,
                     .first_sample = film->sample_count,
                     .sample_count = sample_count};
 

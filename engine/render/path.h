@@ -12,6 +12,7 @@
 namespace zoe {
 
 class Environment;  // engine/render/environment.h
+struct Guides;      // engine/render/guides.h
 
 /// What a pixel shows: the lit picture, the surface's colour, its normal, its motion class, or the work of its ray.
 enum class Shade : uint8_t { kPath, kAlbedo, kNormal, kMotion, kCost };
@@ -25,6 +26,8 @@ struct RenderConfig {
     std::optional<glm::vec3> uniform_sky;       ///< Radiance of a sky of one colour, and no sun: a furnace.
     const Environment* environment = nullptr;   ///< Instead of sky and sun, times sky_strength; outlives the render.
     bool is_jittered = true;                    ///< Else all rays go through pixel centres, as the first sample's always do.
+    uint32_t first_number = 0;                  ///< Of the random numbers of the film's first sample: frames take turns.
+    Guides* guides = nullptr;                   ///< Filled by the film's first sample.
     const std::atomic<bool>* cancel = nullptr;  ///< Set by another thread to leave early; the film is then not changed.
 };
 

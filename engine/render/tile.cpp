@@ -95,11 +95,11 @@ void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
     for (int y = tile.y_begin; y < tile.y_end; ++y) {
         for (int x = tile.x_begin; x < tile.x_end; ++x) {
             const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(film_->width) + static_cast<uint32_t>(x);
-            const SampleKey key{pixel, sample};
+            const SampleKey key{pixel, pass_->config.first_number + sample};
             glm::vec2 within(0.5f);
             if (pass_->config.is_jittered && sample > 0) within = uniform_2d(key, dimension(Use::kPixel, 0));
             current_.push(pixel_ray(pixel, within), static_cast<uint32_t>(paths_.size()));
-            paths_.push_back({.key = key, .pixel = pixel, .cone = cone});
+            paths_.push_back({.key = key, .is_first = sample == 0, .pixel = pixel, .cone = cone});
         }
     }
 }
@@ -108,7 +108,7 @@ void TileTracer::start_paths(const Tile& tile, uint32_t sample) {
 void TileTracer::record_layers(const Rays& batch) {
     for (size_t i = 0; i < batch.rays.size(); ++i) {
         const Path& path = paths_[batch.paths[i]];
-        if (path.key.sample != 0) return;
+        if (!path.is_first) return;
         const Ray& ray = batch.rays[i];
         const Hit& hit = hits_[i];
         film_->depth[path.pixel] = hit ? depth(pass_->view, ray.origin) - hit.t * glm::dot(ray.direction, pass_->view.axis_z)
