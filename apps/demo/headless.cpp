@@ -13,8 +13,10 @@
 #include "apps/common/trace_events.h"
 #include "apps/common/write_file.h"
 #include "apps/demo/first_view.h"
+#include "engine/render/denoise.h"
 #include "engine/render/layers.h"
 #include "engine/render/noise.h"
+#include "engine/render/past_frame.h"
 #include "engine/render/shutter.h"
 #include "engine/scene/image_levels.h"
 
@@ -30,9 +32,9 @@ double ms_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Samples of each pixel; with a noise that is asked for, the most that one gets.
+/// Samples of each pixel; with a noise that is asked for, the most that one gets. Those of a smoothed picture are the window's.
 int samples_of(const Options& options) {
-    return options.spp.value_or(options.noise ? kDefaultMostSpp : kDefaultSpp);
+    return options.spp.value_or(options.noise ? kDefaultMostSpp : options.is_denoised ? 1 : kDefaultSpp);
 }
 
 struct Run {
@@ -43,11 +45,18 @@ struct Run {
     NoiseLimit noise_limit;
 };
 
+/// What smooths a frame by those before it.
+struct Smoothing {
+    PastFrame past;
+    Guides guides;
+    Denoiser denoiser;
+};
+
 /// The shutter of a frame: the command line's, else the camera's.
 Shutter shutter_of(const Options& options, const ViewChoice& view_choice, const Scene& scene, int frame) {
     const double own = view_choice.camera ? scene.cameras.at(index(scene[*view_choice.camera].camera)).shutter : 0.0;
     return {.opens_s = frame / options.fps,
-            .open_s = options.shutter.value_or(own) / options.fps,
+            .open_s = options.is_denoised ? 0.0 : options.shutter.value_or(own) / options.fps,
             .slices = options.slices,
             .seed = static_cast<uint64_t>(frame)};
 }
@@ -55,7 +64,7 @@ Shutter shutter_of(const Options& options, const ViewChoice& view_choice, const 
 /// Traces a frame. Returns what it did.
 /// layers     filled where they are wanted, but for the motion; else null.
 FrameStats make_frame(const Take& take, const Options& options, const Shutter& shutter, int frame, Film* film,
-                      Layers* layers, Run* run, const std::function<void(double)>& report) {
+                      Smoothing* smoothing, Layers* layers, Run* run, const std::function<void(double)>& report) {
     FrameStats stats;
     const int spp = samples_of(options);
     RenderConfig config;
@@ -63,6 +72,12 @@ FrameStats make_frame(const Take& take, const Options& options, const Shutter& s
     config.environment = options.environment.get();
     config.is_jittered = spp > 1;
     config.cancel = &is_interrupted();
+    if (options.is_denoised) {
+        config.is_jittered = false;
+        config.first_number = static_cast<uint32_t>(frame) * static_cast<uint32_t>(spp);
+        config.guides = &smoothing->guides;
+        smoothing->guides.past = &smoothing->past;
+    }
     const Clock::time_point open_begin = Clock::now();
     Exposure exposure(take, shutter, config, film, &stats);
     run->events.add_stages(open_begin, stats, frame);
@@ -81,6 +96,10 @@ FrameStats make_frame(const Take& take, const Options& options, const Shutter& s
     std::function<bool()> may_go_on;
     if (options.time_limit_s) may_go_on = [&] { return ms_since(trace_begin) < 1e3 * *options.time_limit_s; };
     if (!run->noise_limit.expose(noise, spp, &exposure, may_go_on, report)) throw Interrupted("interrupted");
+    if (options.is_denoised) {
+        smoothing->denoiser.filter(smoothing->guides, {}, film);
+        smoothing->past.keep(exposure.tlas(), exposure.view());
+    }
     run->events.add("trace", trace_begin, ms_since(trace_begin), frame);
     if (!exposure.is_sliced()) report_rays(take.scene, stats.rays);
     if (layers != nullptr) {
@@ -141,6 +160,7 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
     const PictureSize size = options.size.value_or(kDefaultSize);
     set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
+    Smoothing smoothing;
     Layers layers;
     const Take take{
         .scene = content.scene,
@@ -157,7 +177,7 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
         if (is_interrupted()) throw Interrupted("interrupted");
         const Shutter shutter = shutter_of(options, view_choice, content.scene, frame);
         const FrameStats stats =
-            make_frame(take, options, shutter, frame, &film, has_layers ? &layers : nullptr, run, report);
+            make_frame(take, options, shutter, frame, &film, &smoothing, has_layers ? &layers : nullptr, run, report);
         const Clock::time_point write_begin = Clock::now();
         write_film(film, options.out(frame),
                    {.grade = options.grade,

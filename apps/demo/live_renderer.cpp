@@ -9,10 +9,10 @@
 namespace zoe {
 namespace {
 
-/// What a first picture may take, in ms: fifteen a second.
-constexpr double kBudgetMs = 66.0;
-constexpr double kLeastTraceMs = 15.0;
-constexpr int kFirstDivisor = 4, kMaxDivisor = 12;
+/// Of light in first pictures: chart `denoise`.
+constexpr int kFirstBounces = 2;
+/// With more samples, what smoothing takes from a still picture is more than the noise that it takes.
+constexpr int kMostSmoothedSamples = 32;
 constexpr uint8_t kOutline[3] = {255, 160, 0};
 
 /// Colours the pixels of a node that have another beside them.
@@ -94,7 +94,7 @@ void LiveRenderer::work() {
         return !is_shown_ || same_mode != shown_;
     };
     const auto can_refine = [&](const LiveRequest& request) {
-        return !request.is_playing && (divisor_ > 1 || film_.sample_count < max_samples_);
+        return !request.is_playing && (divisor_ > 1 || is_first_film_ || film_.sample_count < max_samples_);
     };
     while (true) {
         LiveRequest request;
@@ -112,12 +112,23 @@ void LiveRenderer::work() {
             is_refining_ = !is_restart(request);
             cancel_ = false;
         }
-        const bool restarts = is_restart(request), has_pass = restarts || can_refine(request) || film_.sample_count == 0;
+        const bool restarts = is_restart(request);
+        if (!restarts && request.picked != shown_.picked) {  // The picture is there: no pass is waited for.
+            shown_ = request;
+            publish(request);
+            on_picture_();
+            continue;
+        }
         if (restarts) advance_if_needed(request);
-        if (has_pass && (restarts || divisor_ > 1)) start_film(request, restarts);
+        // A film without a sample is one whose pass was left: it is of the right size.
+        const bool is_done = film_.sample_count > 0 && (divisor_ > 1 || is_first_film_);
+        if (restarts || is_done) start_film(request, restarts);
         shown_ = request;
         is_shown_ = true;
-        if (has_pass && !pass(request)) continue;
+        if (!pass(request)) continue;
+        smooth(request);
+        if (is_first_film_) pace_.note(double(film_.width) * film_.height, pass_stats_.trace_ms);
+        develop(request);
         publish(request);
         on_picture_();
     }
@@ -132,6 +143,8 @@ bool LiveRenderer::is_frame_shown(const LiveRequest& request) const {
 }
 
 void LiveRenderer::advance_if_needed(const LiveRequest& request) {
+    if (tlas_) past_.keep(*tlas_, view_);
+    if (request.camera != shown_.camera || request.clips != shown_.clips) denoiser_.forget();  // a cut
     if (is_frame_shown(request)) return;
     set_viewpoint(view_choice(request), {request.width, request.height}, Viewpoint{}.hysteresis, &content_.scene);
     content_.scene.playback.is_looping = request.is_looping;
@@ -156,15 +169,9 @@ void LiveRenderer::force_motions(const LiveRequest& request) {
 }
 
 void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
-    if (is_restart) {
-        const double budget_ms = std::max(kBudgetMs - frame_stats_.frame_ms(), kLeastTraceMs);
-        const double full_ms = ms_a_pixel_ * request.width * request.height;
-        divisor_ = full_ms > 0.0
-                       ? static_cast<int>(std::clamp(std::ceil(std::sqrt(full_ms / budget_ms)), 1.0, double(kMaxDivisor)))
-                       : kFirstDivisor;
-    } else {
-        divisor_ /= 2;
-    }
+    divisor_ = is_restart ? pace_.choose_divisor(double(request.width) * request.height, frame_stats_.frame_ms())
+                          : std::max(1, divisor_ / 2);
+    is_first_film_ = is_restart;
     const int width = std::max(1, request.width / divisor_), height = std::max(1, request.height / divisor_);
     if (film_.width == width && film_.height == height) {
         film_.clear();
@@ -180,35 +187,52 @@ bool LiveRenderer::pass(const LiveRequest& request) {
     config.shade = request.shade;
     config.environment = request.environment;
     config.cancel = &cancel_;
+    config.guides = &guides_;
+    guides_.past = is_first_film_ ? &past_ : nullptr;
+    if (is_first_film_) {
+        config.max_bounces = kFirstBounces;
+        config.is_jittered = false;
+        config.first_number = first_number_++;
+    }
     pass_stats_ = frame_stats_;
-    const auto begin = std::chrono::steady_clock::now();
     if (!render(content_.scene, *tlas_, view, config, 1, &film_, &pass_stats_)) return false;
     traced_rays_ += pass_stats_.rays - frame_stats_.rays;
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-    const double ms_a_pixel = ms / (double(film_.width) * film_.height);
-    ms_a_pixel_ = ms_a_pixel_ > 0.0 ? 0.7 * ms_a_pixel_ + 0.3 * ms_a_pixel : ms_a_pixel;
     view_ = view;
     return true;
 }
 
+/// Makes the film to show: of first films with the frames before, of the next ones by neighbours only.
+void LiveRenderer::smooth(const LiveRequest& request) {
+    smoothed_ = film_;
+    if (!is_first_film_ || request.shade != Shade::kPath) denoiser_.forget();
+    if (request.shade != Shade::kPath || film_.sample_count > kMostSmoothedSamples) return;
+    const auto begin = std::chrono::steady_clock::now();
+    denoiser_.filter(guides_, {}, &smoothed_);
+    pass_stats_.trace_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void LiveRenderer::develop(const LiveRequest& request) {
+    picture_.width = film_.width;
+    picture_.height = film_.height;
+    picture_.rgba = to_rgba8(smoothed_, request.grade);
+    picture_.nodes.clear();
+    for (const uint32_t node : film_.node) picture_.nodes.push_back(NodeId{node});
+    picture_.time_s = request.time_s;
+    picture_.sample_count = film_.sample_count;
+    picture_.stats = pass_stats_;
+    picture_.view = view_;
+    picture_.bounds = tlas_->bounds();
+    picture_.is_finished = divisor_ == 1 && !is_first_film_ && film_.sample_count >= max_samples_;
+}
+
 void LiveRenderer::publish(const LiveRequest& request) {
-    LivePicture picture;
-    picture.width = film_.width;
-    picture.height = film_.height;
-    picture.rgba = to_rgba8(film_, request.grade);
-    for (const uint32_t node : film_.node) picture.nodes.push_back(NodeId{node});
+    LivePicture picture = picture_;
     if (request.picked) {
         const NodeId node = *request.picked;
         picture.picked = {.node = node, .name = content_.scene[node].name, .report = report_node(content_.scene, node)};
         outline(node, &picture);
     }
-    picture.time_s = request.time_s;
-    picture.sample_count = film_.sample_count;
-    picture.stats = pass_stats_;
-    picture.view = view_;
-    picture.bounds = tlas_->bounds();
     picture.is_new_frame = is_new_frame_;
-    picture.is_finished = divisor_ == 1 && film_.sample_count >= max_samples_;
     is_new_frame_ = false;
 
     const std::lock_guard lock(mutex_);

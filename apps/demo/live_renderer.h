@@ -13,7 +13,10 @@
 #include <vector>
 
 #include "apps/common/choose_view.h"
+#include "apps/demo/pace.h"
 #include "engine/frame/node_report.h"
+#include "engine/render/denoise.h"
+#include "engine/render/past_frame.h"
 #include "engine/render/path.h"
 
 namespace zoe {
@@ -58,9 +61,9 @@ struct LivePicture {
     bool is_finished = false;  ///< Nothing more will be done to it.
 };
 
-/// Renders on its own thread, so that the interface never waits. A new frame or edit is first shown at a size that takes
-/// about a fifteenth of a second, then, while nothing changes, finer and finer up to one sample a pixel, and from then on
-/// samples accumulate.
+/// Renders on its own thread, so that the interface never waits. A new frame or edit is first shown by one sample a pixel at
+/// a size that keeps up with 24 frames a second, smoothed with the frames before; then, while nothing changes, finer and
+/// finer up to full size, and from then on samples accumulate. What has few of them is smoothed, too.
 class LiveRenderer {
 public:
     /// content     Its scene belongs to the thread until this ends.
@@ -84,6 +87,8 @@ private:
     bool is_frame_shown(const LiveRequest& request) const;
     void start_film(const LiveRequest& request, bool is_restart);
     bool pass(const LiveRequest& request);
+    void smooth(const LiveRequest& request);
+    void develop(const LiveRequest& request);
     void publish(const LiveRequest& request);
     void force_motions(const LiveRequest& request);
 
@@ -110,11 +115,17 @@ private:
     FrameStats pass_stats_;                                ///< That, and of the last pass.
     uint64_t traced_rays_ = 0;                             ///< Since then.
     bool is_new_frame_ = false;
-    Film film_;
-    View view_;                ///< Of the last pass.
-    int divisor_ = 1;          ///< The film's sides are the picture's, divided by this.
-    double ms_a_pixel_ = 0.0;  ///< Of one sample, smoothed; 0: unknown.
-    std::thread thread_;       ///< Last: it uses all of the above.
+    Film film_, smoothed_;
+    bool is_first_film_ = false;  ///< Since the last change: few bounces, and soon another.
+    View view_;                   ///< Of the last pass.
+    int divisor_ = 1;             ///< The film's sides are the picture's, divided by this.
+    Pace pace_;
+    uint32_t first_number_ = 0;  ///< Of the next frame's random numbers.
+    PastFrame past_;
+    Guides guides_;
+    Denoiser denoiser_;
+    LivePicture picture_;  ///< The latest, but for what is picked in it.
+    std::thread thread_;   ///< Last: it uses all of the above.
 };
 
 }  // namespace zoe

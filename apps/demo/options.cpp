@@ -142,6 +142,10 @@ void add_options(CLI::App& app, Options& options, Texts& texts, Flags& flags) {
     app.add_option("--out", texts.out, "Pictures' names, .png or .exr (out/frame_%04d.png)")
         ->type_name("PATTERN")
         ->group(pictures);
+    app.add_flag("--denoise", options.is_denoised,
+                 "Smooth each frame by its neighbours and the frames before, as the window does while it plays; 1 sample "
+                 "unless told")
+        ->group(pictures);
     app.add_flag("--resume", options.is_resumed, "Skip pictures that are there already (empty files do not count)")
         ->group(pictures);
     app.add_option("--stats", options.stats, "Times and counts of every frame, as JSON")->type_name("FILE")->group(pictures);
@@ -230,8 +234,8 @@ void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
     require(!options.noise || (*options.noise > 0.0 && *options.noise <= 1.0), "--noise: a number above 0, up to 1");
     require(!options.time_limit_s || (*options.time_limit_s > 0.0 && *options.time_limit_s <= 1e6),
             "--time-limit: a number of seconds above 0, up to 1000000");
-    for (const char* const name : {"--frames", "--shard", "--out", "--resume", "--stats", "--trace", "--shutter", "--slices",
-                                   "--noise", "--time-limit"}) {
+    for (const char* const name : {"--frames", "--shard", "--out", "--denoise", "--resume", "--stats", "--trace",
+                                   "--shutter", "--slices", "--noise", "--time-limit"}) {
         if (app.count(name)) options.is_headless = true;
     }
 }
@@ -275,6 +279,12 @@ std::optional<Options> parse_options(int argc, char** argv) {
     check_view(app, options, texts);
     check_sky(app, options, texts);
     check_pictures(app, options, texts);
+    require(!options.is_denoised || options.shade == Shade::kPath,
+            "--denoise is of the lit picture: it goes with --shade path");
+    require(!options.is_denoised || (!options.is_resumed && options.shard.count == 1),
+            "--denoise: frames depend on those before; it goes neither with --resume nor with --shard");
+    require(!options.is_denoised || !(options.shutter || options.noise || options.time_limit_s),
+            "--denoise is of moments and few samples: it goes with none of --shutter, --noise and --time-limit");
     require(!options.screenshot || !options.is_headless, "--screenshot is of the window; it does not go with --headless");
     return options;
 }

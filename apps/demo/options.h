@@ -45,6 +45,7 @@ struct Options {
     std::optional<double> noise;         ///< NoiseConfig::target; then `spp` is the most that a pixel gets.
     std::optional<double> time_limit_s;  ///< Of a frame's samples.
     Shade shade = Shade::kPath;
+    bool is_denoised = false;
     Grade grade;
     Sky sky = Sky::kByLights;
     std::string sky_file;

@@ -29,18 +29,6 @@ bool find_point(const Hit& hit, const Layers::Shown& shown, const Tlas& then, gl
     return true;
 }
 
-// Where a view shows something, in pixels from the top left; false where it does not.
-// offset     from the eye, or any length of a direction for what is infinitely far.
-bool project(const View& view, const glm::vec3& offset, bool is_far, int width, int height, glm::vec2* at) {
-    const float ahead = -glm::dot(offset, view.axis_z);
-    if (!(ahead > 0.0f) || (is_far && !view.is_perspective)) return false;
-    const float scale = view.is_perspective ? 1.0f / ahead : 1.0f;
-    const glm::vec2 across(glm::dot(offset, view.axis_x) * scale / view.half_width,
-                           glm::dot(offset, view.axis_y) * scale / view.half_height);
-    *at = {0.5f * (1.0f + across.x) * static_cast<float>(width), 0.5f * (1.0f - across.y) * static_cast<float>(height)};
-    return true;
-}
-
 }  // namespace
 
 void see_layers(const Scene& scene, const Tlas& tlas, const View& view, int width, int height, Layers* layers) {

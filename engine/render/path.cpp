@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "engine/math/parallel.h"
+#include "engine/render/guides.h"
 #include "engine/render/tile.h"
 
 namespace zoe {
@@ -82,6 +83,8 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     // The layers are the first sample's, which is of one time only where there are no slices.
     const bool has_layers = !config.slice && film->sample_count == 0 && sample_count > 0;
     copy_sums(*film, has_layers, &workspace.film);
+    Guides* const guides = has_layers ? config.guides : nullptr;
+    if (guides != nullptr) guides->start(film->width, film->height);
     gather_lights(scene, config, &workspace.lighting);
     workspace.glow.gather(scene, tlas);
     const Pass pass{.scene = scene,
@@ -91,6 +94,7 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
                     .lighting = workspace.lighting,
                     .glow = workspace.glow,
                     .lets_light_pass = lets_light_pass(scene, tlas),
+                    .guides = guides,
                     .first_sample = film->sample_count,
                     .sample_count = sample_count,
                     .enough = film->enough,

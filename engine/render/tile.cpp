@@ -89,9 +89,9 @@ Ray TileTracer::pixel_ray(size_t pixel, const glm::vec2& within) const {
 }
 
 /// Tells whether the pass takes this sample.
-bool TileTracer::is_wanted(const SampleKey& key) const {
+bool TileTracer::is_wanted(uint32_t pixel, uint32_t sample) const {
     const uint32_t first = static_cast<uint32_t>(pass_->first_sample), count = static_cast<uint32_t>(pass_->sample_count);
-    return key.sample - first < count && (pass_->enough.empty() || key.sample < pass_->enough[key.pixel]);
+    return sample - first < count && (pass_->enough.empty() || sample < pass_->enough[pixel]);
 }
 
 /// A sample of each pixel, one in so many samples as there are slices.
@@ -103,13 +103,14 @@ void TileTracer::start_paths(const Tile& tile, uint32_t turn) {
         for (int x = tile.x_begin; x < tile.x_end; ++x) {
             const uint32_t pixel = static_cast<uint32_t>(y) * static_cast<uint32_t>(film_->width) + static_cast<uint32_t>(x);
             const Slice& slice = pass_->slice;
-            const SampleKey key{pixel, sample_in_slice(pixel, turn, slice.number, slice.count)};
-            if (!is_wanted(key)) continue;
+            const uint32_t sample = sample_in_slice(pixel, turn, slice.number, slice.count);
+            if (!is_wanted(pixel, sample)) continue;
+            const SampleKey key{pixel, pass_->config.first_number + sample};
+            const bool is_first = pass_->has_layers && sample == 0;
             glm::vec2 within(0.5f);
-            if (pass_->config.is_jittered && !(pass_->has_layers && key.sample == 0))
-                within = uniform_2d(key, dimension(Use::kPixel, 0));
+            if (pass_->config.is_jittered && !is_first) within = uniform_2d(key, dimension(Use::kPixel, 0));
             current_.push(pixel_ray(pixel, within), static_cast<uint32_t>(paths_.size()));
-            paths_.push_back({.key = key, .pixel = pixel, .cone = cone});
+            paths_.push_back({.key = key, .is_first = is_first, .pixel = pixel, .cone = cone});
         }
     }
 }
@@ -119,7 +120,7 @@ void TileTracer::record_layers(const Rays& batch) {
     if (!pass_->has_layers) return;
     for (size_t i = 0; i < batch.rays.size(); ++i) {
         const Path& path = paths_[batch.paths[i]];
-        if (path.key.sample != 0) return;
+        if (!path.is_first) return;
         record_geometry(pass_->view, batch.rays[i], hits_[i], path.pixel, film_);
     }
 }

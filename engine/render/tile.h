@@ -24,6 +24,7 @@ struct Pass {
     const Lighting& lighting;
     const Glow& glow;
     bool lets_light_pass = false;  ///< Some material on show does: shadow rays must look at what they meet.
+    Guides* guides = nullptr;      ///< Of the film's first sample, where that is in this pass.
     int first_sample = 0, sample_count = 0;
     std::span<const uint32_t> enough;  ///< The film's.
     Slice slice;                       ///< Without slices, the only one.
@@ -52,7 +53,8 @@ public:
 private:
     struct Path {
         SampleKey key;
-        size_t pixel = 0;  // in the film
+        bool is_first = false;  // of its pixel
+        size_t pixel = 0;       // in the film
         glm::vec3 throughput{1.0f};
         glm::vec3 radiance{0.0f};
         float coverage = 0.0f;
@@ -90,7 +92,7 @@ private:
     };
 
     Ray pixel_ray(size_t pixel, const glm::vec2& within) const;
-    bool is_wanted(const SampleKey& key) const;
+    bool is_wanted(uint32_t pixel, uint32_t sample) const;
     void start_paths(const Tile& tile, uint32_t turn);
     void record_layers(const Rays& batch);
     void trace_cost();
@@ -98,7 +100,7 @@ private:
     void find_closest(const Rays& batch, uint32_t bounce, uint32_t pass_through, FrameStats::Kind* kind);
     void shade_hits(uint32_t bounce, uint32_t pass_through);
     void shade_hit(const Surface& surface, const Ray& ray, const Hit& hit, uint32_t path, uint32_t bounce);
-    void add_sky(const Ray& ray, uint32_t path);
+    void add_sky(const Ray& ray, uint32_t path, uint32_t bounce);
     void add_sky_behind(const Surface& surface, const Ray& ray, uint32_t path);
     glm::vec3 sky_seen(const Path& path, const glm::vec3& direction) const;
     bool pass_straight(const Surface& surface, const Ray& ray, uint32_t path, uint32_t bounce, uint32_t pass_through);

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/render/direction.h"
+#include "engine/render/guides.h"
 #include "engine/render/inspect.h"
 #include "engine/render/tile.h"
 
@@ -39,7 +40,7 @@ void TileTracer::shade_hits(uint32_t bounce, uint32_t pass_through) {
         if (i + kCornersAhead < hits_.size()) fetch_corners(pass_->tlas, hits_[i + kCornersAhead]);
         if (i + kVerticesAhead < hits_.size()) fetch_vertices(pass_->tlas, hits_[i + kVerticesAhead]);
         if (!hits_[i]) {
-            if (pass_through == 0 || bounce == 0) add_sky(ray, path_index);
+            if (pass_through == 0 || bounce == 0) add_sky(ray, path_index, bounce);
             continue;
         }
         const Surface surface = surface_at(pass_->scene, pass_->tlas, ray, hits_[i], paths_[path_index].cone);
@@ -79,10 +80,11 @@ void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hi
     }
     if (surface.is_body() && surface.is_inside) path.throughput *= glm::exp(-hit.t * surface.absorption);
     path.radiance += path.throughput * surface.emission * glow_weight(surface, ray, path);
-    if (surface.is_unlit) {
-        path.radiance += path.throughput * surface.base_color;
-        return;
+    if (surface.is_unlit) path.radiance += path.throughput * surface.base_color;
+    if (bounce == 0 && path.is_first && pass_->guides != nullptr) {
+        pass_->guides->see_surface(path.pixel, pass_->tlas, pass_->view, hit, surface, path.radiance);
     }
+    if (surface.is_unlit) return;
     const Bsdf bsdf(surface, -ray.direction);
     if (bsdf.is_black()) return;
     add_sun(surface, bsdf, path_index, bounce);
@@ -106,10 +108,11 @@ glm::vec3 TileTracer::sky_seen(const Path& path, const glm::vec3& direction) con
     return path.is_scattered ? sky : sky + sun;
 }
 
-void TileTracer::add_sky(const Ray& ray, uint32_t path_index) {
+void TileTracer::add_sky(const Ray& ray, uint32_t path_index, uint32_t bounce) {
     if (pass_->config.shade != Shade::kPath) return;
     Path& path = paths_[path_index];
     path.radiance += path.throughput * sky_seen(path, ray.direction);
+    if (bounce == 0 && path.is_first && pass_->guides != nullptr) pass_->guides->see_sky(path.pixel, path.radiance);
 }
 
 /// Sky light from the direction of a bounce may pass what the bounce itself ends at, and stop where the bounce goes on. It

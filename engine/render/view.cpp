@@ -107,6 +107,16 @@ Ray camera_ray(const View& view, float x, float y, int width, int height) {
     return {.origin = view.origin, .direction = glm::normalize(across - view.axis_z)};
 }
 
+bool project(const View& view, const glm::vec3& offset, bool is_far, int width, int height, glm::vec2* at) {
+    const float ahead = -glm::dot(offset, view.axis_z);
+    if (!(ahead > 0.0f) || (is_far && !view.is_perspective)) return false;
+    const float scale = view.is_perspective ? 1.0f / ahead : 1.0f;
+    const glm::vec2 across(glm::dot(offset, view.axis_x) * scale / view.half_width,
+                           glm::dot(offset, view.axis_y) * scale / view.half_height);
+    *at = {0.5f * (1.0f + across.x) * static_cast<float>(width), 0.5f * (1.0f - across.y) * static_cast<float>(height)};
+    return true;
+}
+
 float depth(const View& view, const glm::vec3& point) {
     return glm::dot(view.origin - point, view.axis_z);
 }

@@ -34,6 +34,11 @@ View frame_whole(const Aabb& bounds, float aspect);
 /// Direction has length 1.
 Ray camera_ray(const View& view, float x, float y, int width, int height);
 
+/// Where a view shows something, in pixels from the top left; may lie beside the picture.
+/// offset     from the eye, or any length of a direction for what is infinitely far.
+/// Returns    false where it shows it nowhere: behind the eye, or at no place of its own.
+bool project(const View& view, const glm::vec3& offset, bool is_far, int width, int height, glm::vec2* at);
+
 /// Distance of a point from the camera along its axis (metres): what a depth layer holds.
 float depth(const View& view, const glm::vec3& point);
 

@@ -1,0 +1,30 @@
+#include "apps/demo/pace.h"
+
+#include <algorithm>
+
+namespace zoe {
+namespace {
+
+constexpr double kBudgetMs = 1000.0 / 24.0;  // as films have it
+constexpr double kLeastMs = 12.0;            // for pixels, however long the rest takes
+constexpr double kTooLate = 1.1, kEarly = 0.8;
+constexpr double kNew = 0.3;  // share of the latest picture in the mean
+constexpr int kMaxDivisor = 12;
+
+}  // namespace
+
+int Pace::choose_divisor(double pixel_count, double other_ms) {
+    if (!(ms_a_pixel_ > 0.0)) return divisor_;
+    const double room_ms = std::max(kBudgetMs - other_ms, kLeastMs);
+    const auto takes_ms = [&](int divisor) { return ms_a_pixel_ * pixel_count / (double(divisor) * divisor); };
+    while (divisor_ < kMaxDivisor && takes_ms(divisor_) > kTooLate * room_ms) ++divisor_;
+    while (divisor_ > 1 && takes_ms(divisor_ - 1) < kEarly * room_ms) --divisor_;
+    return divisor_;
+}
+
+void Pace::note(double pixel_count, double ms) {
+    const double latest = ms / pixel_count;
+    ms_a_pixel_ = ms_a_pixel_ > 0.0 ? (1.0 - kNew) * ms_a_pixel_ + kNew * latest : latest;
+}
+
+}  // namespace zoe
