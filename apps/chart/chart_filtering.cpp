@@ -72,12 +72,12 @@ struct Floor {
 };
 
 std::vector<Row> measure(const Settings& settings) {
-    const int width = settings.pick(40, 160, 320), height = settings.pick(24, 90, 180);
+    const int width = settings.pick(40, 128, 320), height = settings.pick(24, 72, 180);
     const float aspect = float(width) / float(height);
     const Floor finest(false, aspect), cones(true, aspect);
     const Rendering exact{.series = "always the finest",
                           .render = [&](int sample_count, Film* film) { finest.render(sample_count, film); }};
-    const std::vector<glm::dvec3> reference = render_reference(exact, width, height, settings.pick(2048, 4096, 16'384));
+    const std::vector<glm::dvec3> reference = render_reference(exact, width, height, settings.pick(2048, 2048, 16'384));
     const Rendering ours{.series = "by ray cones",
                          .render = [&](int sample_count, Film* film) { cones.render(sample_count, film); },
                          .is_default = true};

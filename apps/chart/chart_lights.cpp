@@ -29,7 +29,7 @@ std::vector<Row> measure(const Settings& settings) {
         renderings.push_back({.series = method.series, .render = picture.with(config), .is_default = is_default});
     }
     const std::vector<glm::dvec3> reference = render_reference({.series = "", .render = picture.with({})}, picture.width,
-                                                               picture.height, settings.pick(1024, 2048, 16'384));
+                                                               picture.height, settings.pick(1024, 1024, 16'384));
     return measure_noise(renderings, picture.width, picture.height, settings.pick(16, 64, 1024), reference, kRmse, "");
 }
 

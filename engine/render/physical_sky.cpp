@@ -232,7 +232,7 @@ glm::vec3 sky_direction(double elevation_degrees, double azimuth_degrees) {
 Environment make_physical_sky(const glm::vec3& toward_sun) {
     constexpr int kSkyHeight = kHeight / 2;
     const glm::dvec3 sun = glm::normalize(glm::dvec3(toward_sun));
-    const ScatteredOften often(std::acos(sun.y));
+    const ScatteredOften often(std::acos(std::clamp(sun.y, -1.0, 1.0)));
     std::vector<glm::dvec3> sky(static_cast<size_t>(kSkyHeight) * kWidth);
     parallel_for(0, kSkyHeight, 1, [&](size_t begin, size_t end) {
         for (size_t i = begin * kWidth; i < end * kWidth; ++i) {

@@ -200,6 +200,26 @@ TEST(MaterialReader, FactorsExtensionsAndTransformsAreRead) {
     EXPECT_TRUE(scene.images[0].pixels.empty());
 }
 
+TEST(MaterialReader, APictureThatCannotBeDecodedIsAWarningAndWhite) {
+    for (const std::string& bytes :
+         {std::string("no picture"), std::string("\x89PNG\r\n\x1a\n and then nothing"), std::string()}) {
+        GlbBuilder glb;
+        glb.triangle();
+        if (bytes.empty()) {
+            glb.push("images", {{"uri", "data:image/png;base64,"}});
+        } else {
+            const int view = glb.view(bytes.data(), bytes.size());
+            glb.push("images", {{"bufferView", view}, {"mimeType", "image/png"}});
+        }
+        glb.push("textures", {{"source", 0}});
+        glb.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+        const Scene scene = glb.load();
+        EXPECT_EQ(scene.warnings().size(), 1u) << bytes;
+        ASSERT_EQ(scene.images.size(), 1u);
+        EXPECT_TRUE(scene.images[0].pixels.empty()) << "as if there were none";
+    }
+}
+
 /// A file with one image, texture and material.
 Material read_material(const nlohmann::json& material) {
     GlbBuilder glb;
