@@ -234,12 +234,7 @@ Content make_dancers_scene(int size) {
         scene.skins.push_back(std::move(skin));
         scene.add(std::move(node));
     }
-    // The front row whole, and who is behind it from a little above.
-    constexpr float kHalfHeight = 1.05f, kAspect = 1.6f, kFov_degrees = 40.0f;
-    const float half = std::max(kHalfHeight, 0.5f * kApart * static_cast<float>(columns) / kAspect);
-    const float away = 0.4f + half / std::tan(glm::radians(0.5f * kFov_degrees));
-    const glm::vec3 middle{kApart * (0.5f * static_cast<float>(columns - 1) - static_cast<float>(columns / 2)), 0.93f, 0};
-    add_view(scene, middle + away * glm::vec3(0.15f, 0.12f, 1.0f), middle, kFov_degrees);
+    add_view(scene, {0.1f, 1.2f, 0.72f}, {0.0f, 1.12f, 0.0f}, 40.0f);
     return content;
 }
 
