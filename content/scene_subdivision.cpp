@@ -58,8 +58,8 @@ using Cell = std::array<int, 3>;  // Column, row, layer.
 int bone_of(const Cell& cell) {
     const auto [x, y, z] = cell;
     if (x < 0 || y < 0 || z < 0 || x >= kColumns || y >= kRows || z >= kLayers) return -1;
-    const auto found =
-        std::find_if(kBones.begin(), kBones.end(), [&](const Bone& b) { return b.letter == kBlocks[z][y][x]; });
+    const char letter = kBlocks[z][y][x];
+    const auto found = std::find_if(kBones.begin(), kBones.end(), [&](const Bone& b) { return b.letter == letter; });
     return found == kBones.end() ? -1 : static_cast<int>(found - kBones.begin());
 }
 
