@@ -22,6 +22,8 @@ constexpr std::array kCharts = {
     ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
     ChartInfo{"clip", "What does a tree gain that is built for a whole clip, and not for its first frame?", clip},
     ChartInfo{"picture", "How fast does the noise of a picture go, and what do bounces add that are not followed?", picture},
+    ChartInfo{"shutter", "At how many times must a scene be made to blur what moves?", shutter},
+    ChartInfo{"noise", "How many samples does it save to give them to the pixels that need them?", noise},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
     ChartInfo{"subdivision", "How far are triangles from the surface that a cage stands for, and what does nearer cost?",
               subdivision},
