@@ -24,6 +24,8 @@ constexpr std::array kCharts = {
     ChartInfo{"picture", "How fast does the noise of a picture go, and what do bounces add that are not followed?", picture},
     ChartInfo{"lights", "What is gained by looking for lights and waiting for bounces to meet them, both at once?", lights},
     ChartInfo{"filtering", "What do coarser levels of textures save in samples, and what do they blur?", filtering},
+    ChartInfo{"shutter", "At how many times must a scene be made to blur what moves?", shutter},
+    ChartInfo{"noise", "How many samples does it save to give them to the pixels that need them?", noise},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
     ChartInfo{"subdivision", "How far are triangles from the surface that a cage stands for, and what does nearer cost?",
               subdivision},

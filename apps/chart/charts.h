@@ -23,6 +23,8 @@ Chart clip(Sweep& sweep);
 Chart picture(Sweep& sweep);
 Chart lights(Sweep& sweep);
 Chart filtering(Sweep& sweep);
+Chart shutter(Sweep& sweep);
+Chart noise(Sweep& sweep);
 Chart skinning(Sweep& sweep);
 Chart subdivision(Sweep& sweep);
 Chart policy(Sweep& sweep);

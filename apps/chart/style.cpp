@@ -108,6 +108,16 @@ constexpr std::array kStyles = {
     // Which level of a texture is looked up.
     Style{"by ray cones", kGreen, kCircle, true},
     Style{"always the finest", kOrange, kSquare, true},
+    // Times while the shutter is open.
+    Style{"1 slice", kBlack, kCross, true},
+    Style{"4 slices", kOrange, kSquare, true},
+    Style{"16 slices", kGreen, kCircle, true},
+    Style{"64 slices", kSkyBlue, kTriangle, true},
+    // Who gets samples.
+    Style{"all the same", kGrey, kCross, true},
+    Style{"4 samples at least", kOrange, kSquare, true},
+    Style{"16 samples at least", kGreen, kCircle, true},
+    Style{"64 samples at least", kSkyBlue, kTriangle, true},
     // When trees are rebuilt.
     Style{"always refitted", kSkyBlue, kOpenTriangle, true},
     Style{"always rebuilt", kOrange, kOpenSquare, true},

@@ -1,5 +1,6 @@
 // What charts say must hold at small size, too: directions, of what depends on counts and never on clocks.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -137,7 +138,7 @@ TEST(Charts, LightThatBouncesMoreOftenIsMissedLess) {
 /// At equal samples. Lamps are too small for bounces to meet, and mirrors too smooth for rays towards lights: both together
 /// are never much worse than the better one.
 TEST(Charts, LookingForLightBothWaysIsNoWorseThanEither) {
-    const Panel panel = make("lights").panels[0];
+    const Panel panel = make_tiny("lights").panels[0];
     const Series &both = *panel.find("both ways"), &lights = *panel.find("rays towards lights"),
                  &bounces = *panel.find("bounces alone");
     for (size_t k = 0; k < both.points.size(); ++k) {
@@ -148,10 +149,41 @@ TEST(Charts, LookingForLightBothWaysIsNoWorseThanEither) {
 
 /// At equal samples: coarser levels stand for many samples at once, and what they blur more samples do not bring back.
 TEST(Charts, CoarserLevelsSaveSamples) {
-    const Panel panel = make("filtering").panels[0];
+    const Panel panel = make_tiny("filtering").panels[0];
     const Series &cones = *panel.find("by ray cones"), &finest = *panel.find("always the finest");
     for (const size_t k : {0u, 1u, 2u}) EXPECT_LT(cones.points[k].y.median, 0.7 * finest.points[k].y.median) << k;
     EXPECT_LT(power_of_doubling(finest.points), power_of_doubling(cones.points));
+}
+
+TEST(Charts, MoreSlicesOfTheShutterLeaveLessErrorAndFewSamplesSufferNoneByThem) {
+    const Chart chart = make_tiny("shutter");
+    const Panel& panel = chart.panel("Samples a pixel");
+    const auto left = [&](const char* series) { return panel.find(series)->points.back().y.median; };
+    EXPECT_LT(left("4 slices"), left("1 slice"));
+    EXPECT_LT(left("16 slices"), 0.5 * left("1 slice"));
+    for (const char* const series : {"16 slices", "64 slices"}) {
+        const std::vector<Point>& points = panel.find(series)->points;
+        EXPECT_LT(points.front().y.median, 1.1 * panel.find("1 slice")->points.front().y.median) << series;
+        EXPECT_LT(points.back().y.median, 0.6 * points.front().y.median) << series;
+    }
+}
+
+TEST(Charts, SamplesWhereTheyAreNeededLeaveTheNoiseThatWasAskedForInNearlyAllBlocks) {
+    const Chart chart = make_tiny("noise");
+    const Panel &worst = chart.panel("Error that one block in twenty exceeds"),
+                &asked = chart.panel("Error that was asked for, and that there was");
+    for (const char* const name : {"4 samples at least", "16 samples at least", "64 samples at least"}) {
+        const std::vector<Point>&judged = worst.find(name)->points, &had = asked.find(name)->points;
+        ASSERT_EQ(judged.size(), had.size());
+        for (size_t k = 1; k < had.size(); ++k) EXPECT_GE(judged[k].x.median, judged[k - 1].x.median) << name;
+        for (size_t k = 0; k < had.size(); ++k) EXPECT_LT(had[k].y.median, 1.5 * had[k].x.median) << name;
+    }
+    // Where all pixels get as many as those got in the mean, or a few less, such blocks are noisier.
+    const Point& finest = worst.find("16 samples at least")->points.back();
+    const std::vector<Point>& uniform = worst.find("all the same")->points;
+    const auto more = std::ranges::find_if(uniform, [&](const Point& u) { return u.x.median >= finest.x.median; });
+    ASSERT_TRUE(more != uniform.end() && more != uniform.begin());
+    EXPECT_LT(finest.y.median, 0.9 * std::prev(more)->y.median);
 }
 
 /// Where a clip goes far from its first frame, a tree that was built over more of it serves it better.
