@@ -22,6 +22,7 @@ constexpr std::array kCharts = {
     ChartInfo{"degradation", "How soon do the rays of a tree that is only refitted pay for it?", degradation},
     ChartInfo{"clip", "What does a tree gain that is built for a whole clip, and not for its first frame?", clip},
     ChartInfo{"picture", "How fast does the noise of a picture go, and what do bounces add that are not followed?", picture},
+    ChartInfo{"denoise", "What does a filter over neighbours and frames save samples, and what is its error?", denoise},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
     ChartInfo{"subdivision", "How far are triangles from the surface that a cage stands for, and what does nearer cost?",
               subdivision},

@@ -21,6 +21,7 @@ Chart far(Sweep& sweep);
 Chart degradation(Sweep& sweep);
 Chart clip(Sweep& sweep);
 Chart picture(Sweep& sweep);
+Chart denoise(Sweep& sweep);
 Chart skinning(Sweep& sweep);
 Chart subdivision(Sweep& sweep);
 Chart policy(Sweep& sweep);
