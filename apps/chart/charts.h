@@ -25,6 +25,7 @@ Chart lights(Sweep& sweep);
 Chart filtering(Sweep& sweep);
 Chart shutter(Sweep& sweep);
 Chart noise(Sweep& sweep);
+Chart denoise(Sweep& sweep);
 Chart skinning(Sweep& sweep);
 Chart subdivision(Sweep& sweep);
 Chart policy(Sweep& sweep);

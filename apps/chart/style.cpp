@@ -118,6 +118,13 @@ constexpr std::array kStyles = {
     Style{"4 samples at least", kOrange, kSquare, true},
     Style{"16 samples at least", kGreen, kCircle, true},
     Style{"64 samples at least", kSkyBlue, kTriangle, true},
+    // Pictures of few samples, smoothed.
+    Style{"4 bounces, smoothed", kGreen, kTriangle, true},
+    Style{"1 bounce, smoothed", kOrange, kOpenTriangle, true},
+    Style{"2 bounces, smoothed", kSkyBlue, kOpenCircle, true},
+    Style{"frames that a mean looks back on", kBlue, kSquare, true},
+    Style{"rounds of the filter", kPurple, kOpenSquare, true},
+    Style{"strength of the filter", kVermilion, kDiamond, true},
     // When trees are rebuilt.
     Style{"always refitted", kSkyBlue, kOpenTriangle, true},
     Style{"always rebuilt", kOrange, kOpenSquare, true},

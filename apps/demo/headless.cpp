@@ -32,7 +32,8 @@ double ms_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Samples of each pixel; with a noise that is asked for, the most that one gets. Those of a smoothed picture are the window's.
+/// Samples of each pixel; with a noise that is asked for, the most that one gets. Those of a smoothed picture are the
+/// window's.
 int samples_of(const Options& options) {
     return options.spp.value_or(options.noise ? kDefaultMostSpp : options.is_denoised ? 1 : kDefaultSpp);
 }

@@ -174,6 +174,9 @@ const std::vector<Default>& defaults() {
          {},
          "a tenth of white: where an error of a hundredth is less than a step of 8 bits"},
         {"RenderConfig::search", "lights", last_above},
+        {"DenoiseConfig::most_frames", "denoise", along("RMSE on a screen by", "frames that a mean looks back on")},
+        {"DenoiseConfig::rounds", "denoise", along("RMSE on a screen by", "rounds of the filter")},
+        {"DenoiseConfig::strength", "denoise", along("RMSE on a screen by", "strength of the filter")},
         {"AutoConfig::rays", "pays-off"},
         {"AutoConfig::budget_s", "pays-off"},
         {"SubdivisionOptions::level", "subdivision"},
@@ -189,6 +192,7 @@ const std::vector<Default>& defaults() {
         {"PosesConfig::max_leaf_size", nullptr, {}, "as SweepConfig's, whose trees it stands in for"},
         {"PosesConfig::node_cost", nullptr, {}, "as SweepConfig's"},
         {"*::block_size", nullptr, {}, "what the kernels test at once: no trade"},
+        {"RenderConfig::first_number", nullptr, {}, "which random numbers: no trade"},
         {"RenderConfig::sun_strength", nullptr, {}, "how the scene is lit: no trade"},
         {"RenderConfig::sky_strength", nullptr, {}, "how the scene is lit: no trade"},
     };

@@ -186,6 +186,20 @@ TEST(Charts, SamplesWhereTheyAreNeededLeaveTheNoiseThatWasAskedForInNearlyAllBlo
     EXPECT_LT(finest.y.median, 0.9 * std::prev(more)->y.median);
 }
 
+}
+
+/// Smoothing takes more than half of the error of a sample, whatever its bounces, and more samples take more.
+TEST(Charts, SmoothingTakesMostOfTheErrorOfASample) {
+    const Chart chart = make_tiny("denoise");
+    const Panel& panel = chart.panels[0];
+    const double raw = panel.find("4 bounces")->points.front().y.median;
+    for (const char* const name : {"2 bounces, smoothed", "4 bounces, smoothed"}) {
+        const std::vector<Point>& points = panel.find(name)->points;
+        EXPECT_LT(2.0 * points.front().y.median, raw) << name;
+        EXPECT_LT(points.back().y.median, points.front().y.median) << name;
+    }
+}
+
 /// Where a clip goes far from its first frame, a tree that was built over more of it serves it better.
 TEST(Charts, TreesOverAClipServeItBetterThanThoseOfItsFirstFrame) {
     const Chart chart = make_tiny("clip");
