@@ -186,8 +186,6 @@ TEST(Charts, SamplesWhereTheyAreNeededLeaveTheNoiseThatWasAskedForInNearlyAllBlo
     EXPECT_LT(finest.y.median, 0.9 * std::prev(more)->y.median);
 }
 
-}
-
 /// Smoothing takes more than half of the error of a sample, whatever its bounces, and more samples take more.
 TEST(Charts, SmoothingTakesMostOfTheErrorOfASample) {
     const Chart chart = make_tiny("denoise");
