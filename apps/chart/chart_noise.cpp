@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kError = "Error of the frame";
 constexpr const char* kWorst = "Error that one block in twenty exceeds";
-constexpr const char* kAsked = "Error that was asked for, and that there was";
+constexpr const char* kAsked = "Error: asked for, and there";
 constexpr double kTime = 1.0;
 constexpr int kLeast[] = {4, 16, 64};
 /// Samples before this one are the tested pictures': the reference has others.
@@ -140,13 +140,12 @@ std::string caption(const Chart& chart) {
     };
     return fmt::format(
         "Relative error of luminance against a picture of many other samples, in the root mean square over the frame, and "
-        "over "
-        "blocks of 8 x 8. Asked for {}, pixels got {} samples in the mean; one block in twenty is more than {} off, for "
-        "which "
-        "all pixels would need {}. Over the whole frame the error is {}, for which {} would do: who asks for the same noise "
+        "over blocks of 8 x 8. Asked for {}, pixels got {} samples in the mean; one block in twenty is more than {} off, "
+        "for which all pixels would need {}. Over the whole frame the error is {}, for which {} would do: who asks for the "
+        "same noise "
         "everywhere pays in the noisiest places. Pixels are judged after {} samples (default) and then each time that they "
         "have twice as many.",
-        finest(kAsked).label, short_number(finest(kError).x.median), short_number(finest(kWorst).y.median), uniform(kWorst),
+        finest(kError).label, short_number(finest(kError).x.median), short_number(finest(kWorst).y.median), uniform(kWorst),
         short_number(finest(kError).y.median), uniform(kError), NoiseConfig{}.least_samples);
 }
 
