@@ -53,9 +53,14 @@ struct Smoothing {
     Denoiser denoiser;
 };
 
+/// The share of a frame's time that the camera's own shutter is open.
+double own_shutter(const ViewChoice& view_choice, const Scene& scene) {
+    return view_choice.camera ? scene.cameras.at(index(scene[*view_choice.camera].camera)).shutter : 0.0;
+}
+
 /// The shutter of a frame: the command line's, else the camera's.
 Shutter shutter_of(const Options& options, const ViewChoice& view_choice, const Scene& scene, int frame) {
-    const double own = view_choice.camera ? scene.cameras.at(index(scene[*view_choice.camera].camera)).shutter : 0.0;
+    const double own = own_shutter(view_choice, scene);
     return {.opens_s = frame / options.fps,
             .open_s = options.is_denoised ? 0.0 : options.shutter.value_or(own) / options.fps,
             .slices = options.slices,
@@ -96,7 +101,11 @@ FrameStats make_frame(const Take& take, const Options& options, const Shutter& s
                             .least_luminance = NoiseConfig{}.least_luminance / options.grade.exposure};
     std::function<bool()> may_go_on;
     if (options.time_limit_s) may_go_on = [&] { return ms_since(trace_begin) < 1e3 * *options.time_limit_s; };
-    if (!run->noise_limit.expose(noise, spp, &exposure, may_go_on, report)) throw Interrupted("interrupted");
+    const auto report_share = [&](double share) {
+        const double elapsed = options.time_limit_s ? ms_since(trace_begin) / (1e3 * *options.time_limit_s) : 0.0;
+        report(std::max(share, std::min(elapsed, 1.0)));
+    };
+    if (!run->noise_limit.expose(noise, spp, &exposure, may_go_on, report_share)) throw Interrupted("interrupted");
     if (options.is_denoised) {
         smoothing->denoiser.filter(smoothing->guides, {}, film);
         smoothing->past.keep(exposure.tlas(), exposure.view());
@@ -158,6 +167,8 @@ std::vector<int> find_missing(const Options& options, PictureSize size, Run* run
 }
 
 void make_frames(Content& content, const Options& options, const ViewChoice& view_choice, Run* run) {
+    if (options.is_denoised && own_shutter(view_choice, content.scene) > 0.0)
+        fmt::print(stderr, "zoetrope-demo: warning: with --denoise the camera's shutter opens for a moment only\n");
     const PictureSize size = options.size.value_or(kDefaultSize);
     set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
@@ -254,8 +265,8 @@ void run_headless(Content& content, const Options& options) {
         catch_interrupts();  // where every picture was there already
         if (run.pictures.size() > 1 && options.shard.count == 1) write_overviews(options, run);
     } catch (const Interrupted&) {
-        throw Interrupted(fmt::format("interrupted; the pictures in {} are whole, and --resume goes on after them",
-                                      options.out.folder().native()));
+        throw Interrupted(fmt::format("interrupted; the pictures in {} are whole{}", options.out.folder().native(),
+                                      options.is_denoised ? "" : ", and --resume goes on after them"));
     }
     if (options.stats && run.stats.frames.empty()) {  // every picture was there already
         run.stats =

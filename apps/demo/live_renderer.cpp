@@ -127,7 +127,7 @@ void LiveRenderer::work() {
         is_shown_ = true;
         if (!pass(request)) continue;
         smooth(request);
-        if (is_first_film_) pace_.note(double(film_.width) * film_.height, pass_stats_.trace_ms);
+        if (is_first_film_) pace_.note(double(film_.width) * film_.height, pass_stats_.trace_ms + smooth_ms_);
         develop(request);
         publish(request);
         on_picture_();
@@ -169,7 +169,8 @@ void LiveRenderer::force_motions(const LiveRequest& request) {
 }
 
 void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
-    divisor_ = is_restart ? pace_.choose_divisor(double(request.width) * request.height, frame_stats_.frame_ms())
+    divisor_ = is_restart ? pace_.choose_divisor(double(request.width) * request.height,
+                                                 is_new_frame_ ? frame_stats_.frame_ms() : 0.0)
                           : std::max(1, divisor_ / 2);
     is_first_film_ = is_restart;
     const int width = std::max(1, request.width / divisor_), height = std::max(1, request.height / divisor_);
@@ -204,11 +205,12 @@ bool LiveRenderer::pass(const LiveRequest& request) {
 /// Makes the film to show: of first films with the frames before, of the next ones by neighbours only.
 void LiveRenderer::smooth(const LiveRequest& request) {
     smoothed_ = film_;
+    smooth_ms_ = 0.0;
     if (!is_first_film_ || request.shade != Shade::kPath) denoiser_.forget();
     if (request.shade != Shade::kPath || film_.sample_count > kMostSmoothedSamples) return;
     const auto begin = std::chrono::steady_clock::now();
     denoiser_.filter(guides_, {}, &smoothed_);
-    pass_stats_.trace_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    smooth_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
 void LiveRenderer::develop(const LiveRequest& request) {

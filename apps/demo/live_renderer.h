@@ -120,6 +120,7 @@ private:
     View view_;                   ///< Of the last pass.
     int divisor_ = 1;             ///< The film's sides are the picture's, divided by this.
     Pace pace_;
+    double smooth_ms_ = 0.0;     // of the last film that was smoothed
     uint32_t first_number_ = 0;  ///< Of the next frame's random numbers.
     PastFrame past_;
     Guides guides_;

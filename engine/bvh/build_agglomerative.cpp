@@ -69,7 +69,8 @@ void write(std::span<const Aabb> boxes, Scratch* scratch, Bvh* bvh) {
     for (uint32_t k = 0; k < node_count; ++k) {
         const uint32_t at = tree_of_node[k];
         if (at < box_count) {
-            bvh->nodes[k] = {boxes[at].lo, leaf_count, boxes[at].hi, 1};
+            const Aabb box = boxes[at].is_proper() ? boxes[at] : Aabb{};
+            bvh->nodes[k] = {box.lo, leaf_count, box.hi, 1};
             bvh->primitives[leaf_count++] = at;
         } else {
             bvh->nodes[k].first = node_count;

@@ -19,6 +19,12 @@ void for_each_bit(uint32_t bits, Take&& take) {
     for (; bits != 0; bits &= bits - 1) take(static_cast<uint32_t>(__builtin_ctz(bits)));
 }
 
+// A box that is empty or not finite counts as all there is: no other one is joined later.
+Aabb proper(const Aabb& box) {
+    constexpr float kAll = ClusterGroup::kFarthest;
+    return box.is_proper() ? box : Aabb{glm::vec3(-kAll), glm::vec3(kAll)};
+}
+
 }  // namespace
 
 void ClusterIndex::start(std::span<const Aabb> boxes) {
@@ -34,8 +40,7 @@ void ClusterIndex::start(std::span<const Aabb> boxes) {
     items_.resize(box_count);
     parallel_for(0, box_count, kSplitGrain, [&](size_t begin, size_t end) {
         for (size_t id = begin; id < end; ++id) {
-            const Aabb& box = boxes[id];
-            assert(box.is_proper());
+            const Aabb box = proper(boxes[id]);
             const glm::vec3 centre = 0.5f * box.hi + 0.5f * box.lo, half = 0.5f * box.hi - 0.5f * box.lo;
             items_[id] = {{centre.x, centre.y, centre.z, half.x, half.y, half.z}, static_cast<uint32_t>(id)};
         }
@@ -51,7 +56,7 @@ void ClusterIndex::start(std::span<const Aabb> boxes) {
     parallel_for(0, box_count, kSplitGrain, [&](size_t begin, size_t end) {
         for (size_t slot = begin; slot < end; ++slot) {
             const uint32_t id = items_[slot].id;
-            leaf_of(static_cast<uint32_t>(slot)).set(slot % kWidth, boxes[id], id);
+            leaf_of(static_cast<uint32_t>(slot)).set(slot % kWidth, proper(boxes[id]), id);
             slot_of_id_[id] = static_cast<uint32_t>(slot);
         }
     });

@@ -47,8 +47,15 @@ HWY_INLINE bool sum_up(const ClusterGroup& group, ClusterGroup* above, uint32_t 
         put(&above->min_hi[axis][lane], min_of(FloatTag(), group.min_hi[axis]));
         put(&above->min_extent[axis][lane], min_of(FloatTag(), group.min_extent[axis]));
     }
-    put(&above->min_count[lane], min_of(IntTag(), group.min_count));
-    put(&above->min_id[lane], min_of(IntTag(), group.min_id));
+    const IntTag d;
+    const int32_t count = min_of(d, group.min_count);
+    auto id = hn::Set(d, ClusterGroup::kNoId);
+    for (size_t k = 0; k < kWidth; k += hn::Lanes(d)) {
+        const auto is_least = hn::Eq(hn::Load(d, group.min_count + k), hn::Set(d, count));
+        id = hn::Min(id, hn::IfThenElse(is_least, hn::Load(d, group.min_id + k), id));
+    }
+    put(&above->min_count[lane], count);
+    put(&above->min_id[lane], hn::GetLane(hn::MinOfLanes(d, id)));
     return is_changed;
 }
 

@@ -15,7 +15,7 @@ struct alignas(64) ClusterGroup {
     float min_hi[3][kWidth];      ///< none ends before it,
     float min_extent[3][kWidth];  ///< and none is smaller.
     int32_t min_count[kWidth];    ///< No cluster has fewer boxes,
-    int32_t min_id[kWidth];       ///< and none a lower id; kNoId: no cluster.
+    int32_t min_id[kWidth];       ///< and none of so many a lower id; kNoId: no cluster.
 
     static constexpr int32_t kNoId = 0x7fffffff;
 

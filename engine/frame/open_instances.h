@@ -27,8 +27,7 @@ struct OpeningScratch {
 ///            the others after all instances.
 /// Returns    whether the parts, their boxes too, are other than in the frame before.
 /// Cost       O(candidates) and a few dozen nodes; no allocation once most_parts is reached. Counts of nodes and areas
-/// decide,
-///            the same way whatever the number of threads.
+///            decide, the same way whatever the number of threads.
 /// Source     Benthin, Woop, Wald, Afra. Improved Two-Level BVHs using Partial Re-Braiding. HPG 2017. Deviation: only where
 ///            no transform lies between, by area alone.
 bool open_instances(const PlacingConfig& config, const std::vector<uint32_t>& instances, Tlas* tlas,

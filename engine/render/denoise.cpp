@@ -54,7 +54,6 @@ void Denoiser::resize(int width, int height) {
     for (Light* light : {&sample_, &light_, &smoothed_, &past_light_}) light->resize(pixel_count);
     for (Shape* shape : {&shape_, &past_shape_}) shape->resize(pixel_count);
     for (Moments* moments : {&moments_, &past_moments_, &near_}) moments->resize(pixel_count);
-    near_.resize(pixel_count);
     known_.resize(pixel_count);
 }
 

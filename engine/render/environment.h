@@ -17,9 +17,8 @@ struct FloatImage;
 /// rows from straight up to straight down.
 class Environment {
 public:
-    /// picture    channels R, G, B, or one for grey. Values below 0 and NaN count as 0, those above 1e6 as 1e6; rows of
-    /// pixels
-    ///            are twice as long as columns, or the picture is stretched.
+    /// picture    channels R, G, B, or one for grey. Values below 0 and NaN count as 0, those above 1e6 as 1e6;
+    ///            rows are twice as long as columns, or the picture is stretched.
     /// sun        what is too small for pixels.
     /// Throws     std::runtime_error where it has no such channels.
     explicit Environment(const FloatImage& picture, const Sun& sun = {});

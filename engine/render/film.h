@@ -51,7 +51,8 @@ struct PictureOptions {
 
 /// Writes a film by the file's extension: .png as `to_rgba8`, or .exr with the layers R G B A, depth.Z, node.id,
 /// primitive.id, sampleCount, and where there are layers, albedo, normal and backward (motion). To a temporary name, then
-/// renamed. Throws     std::runtime_error with the file's name and the reason.
+/// renamed.
+/// Throws     std::runtime_error with the file's name and the reason.
 void write_film(const Film& film, const std::filesystem::path& file, const PictureOptions& options = {});
 
 }  // namespace zoe

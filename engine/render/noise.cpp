@@ -15,8 +15,7 @@ constexpr size_t kBlockSide = 8;
 constexpr uint32_t kAllSamples = std::numeric_limits<uint32_t>::max();
 /// Of a neighbouring block's variance, what counts as one's own.
 constexpr double kNeighbourShare = 0.25;
-/// Samples between two looks at the clock; with slices, at least one in each.
-constexpr int kSamplesAPass = 4;
+constexpr int kSamplesAPass = 4;  ///< Between two looks at the clock.
 
 float luminance(const glm::vec4& color) {
     return glm::dot(glm::vec3(color), glm::vec3(0.2126f, 0.7152f, 0.0722f));
@@ -45,10 +44,10 @@ bool NoiseLimit::expose(const NoiseConfig& config, int most_samples, Exposure* e
     Film& film = exposure->film();
     assert(film.sample_count == 0);
     const bool is_judged = config.target > 0.0f;
-    const int slice_count = exposure->is_sliced() ? static_cast<int>(exposure->shutter().slices) : 1;
-    const int pass = may_go_on ? std::max(kSamplesAPass, slice_count) : most_samples;
+    const int pass = may_go_on ? kSamplesAPass : most_samples;
     half_luminance_.assign(film.sum.size(), 0.0f);
     variance_.assign(film.sum.size(), 0.0f);
+    int last = most_samples;
     int goal = is_judged ? std::min(config.least_samples / 2, most_samples) : most_samples;
     while (true) {
         while (film.sample_count < goal) {
@@ -59,7 +58,7 @@ bool NoiseLimit::expose(const NoiseConfig& config, int most_samples, Exposure* e
             if (!exposure->add(count, std::cref(report_part))) return false;
             if (may_go_on && !may_go_on()) return true;
         }
-        if (goal == most_samples) return true;
+        if (goal == last) return true;
         uint32_t most_needed = kAllSamples;
         if (film.sample_count >= config.least_samples) {
             measure(config, film);
@@ -67,8 +66,8 @@ bool NoiseLimit::expose(const NoiseConfig& config, int most_samples, Exposure* e
             if (most_needed <= static_cast<uint32_t>(goal)) return true;
         }
         for (size_t k = 0; k < film.sum.size(); ++k) half_luminance_[k] = luminance(film.sum[k]);
-        goal = std::min(2 * goal, most_samples);
-        if (most_needed < static_cast<uint32_t>(goal)) goal = static_cast<int>(most_needed);
+        if (most_needed < static_cast<uint32_t>(2 * goal)) last = std::min(last, static_cast<int>(most_needed));
+        goal = std::min(2 * goal, last);
     }
 }
 

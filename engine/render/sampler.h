@@ -64,7 +64,8 @@ inline float to_unit(uint32_t bits) {
 
 /// The one of a pixel's samples [turn * count, (turn + 1) * count) that falls into a slice of the time that a shutter is
 /// open. Runs of 2^k samples lie in slices that are count / 2^k apart, from a random one on: fewer samples than slices are
-/// noise, and no ghosts, and `count` of them lie in every slice once. slice      below `count`, a power of two.
+/// noise, and no ghosts, and `count` of them lie in every slice once.
+/// slice      below `count`, a power of two.
 inline uint32_t sample_in_slice(uint32_t pixel, uint32_t turn, uint32_t slice, uint32_t count) {
     if (count == 1) return turn;
     const uint64_t seed = mix_bits(static_cast<uint64_t>(turn) << 32 | pixel) + 0x9e3779b97f4a7c15ull;

@@ -50,8 +50,9 @@ public:
     Film& film() { return *film_; }
 
     /// Adds samples to each pixel that has not enough. The rays of slices are reported to the scene (`report_rays`); those
-    /// of a single frame are the caller's to report, when all are traced. report     called now and then with the share of
-    /// them that is done. Returns    false where it was cancelled; the film is then not to be used.
+    /// of a single frame are the caller's to report, when all are traced.
+    /// report     called now and then with the share of them that is done.
+    /// Returns    false where it was cancelled; the film is then not to be used.
     bool add(int sample_count, const std::function<void(double share)>& report = {});
 
 private:

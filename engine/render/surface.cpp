@@ -159,7 +159,8 @@ glm::vec3 smooth_normal(const Instance& instance, const Corners& corners, const 
     return glm::dot(normal, front) < 0.0f ? -normal : normal;
 }
 
-/// The mesh's front, on which its normals and tangents are meant. side       of the world's winding.
+/// The mesh's front, on which its normals and tangents are meant.
+/// side       of the world's winding.
 glm::vec3 front_of(const Corners& corners, const glm::vec3& toward_viewer, float side) {
     const bool has_area = corners.normal != glm::vec3(0.0f);
     return has_area ? side * corners.normal : unit_or(toward_viewer, glm::vec3(0, 0, 1));

@@ -220,12 +220,39 @@ TEST(Agglomerative, TakesNoBoxesAndOneAndTwo) {
     }
 }
 
-TEST(AgglomerativeDeathTest, RefusesBoxesThatAreEmptyOrNotFinite) {
+TEST(Agglomerative, TakesBoxesThatAreNone) {
     const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-    const Aabb good{{-1, 0, 2}, {1, 3, 5}};
-    for (const Aabb& bad : {Aabb{}, Aabb{{nan, 0, 0}, {1, 1, 1}}, Aabb{{0, 0, 0}, {1, nan, 1}},
-                            Aabb{{0, -infinity, 0}, {1, 1, 1}}, Aabb{{0, 0, 0}, {1, 1, infinity}}}) {
-        EXPECT_DEATH(build_agglomerative(std::vector<Aabb>{good, bad, good}), "is_proper");
+    const Aabb none[] = {{},
+                         {{nan, 0, 0}, {1, 1, 1}},
+                         {{0, 0, 0}, {1, nan, 1}},
+                         {{0, -infinity, 0}, {1, 1, 1}},
+                         {{0, 0, 0}, {1, 1, infinity}},
+                         {{2, 0, 0}, {1, 1, 1}}};
+    Rng rng(140);
+    for (const uint32_t one_in : {1, 2, 50}) {  // So many are boxes; 1: none is.
+        std::vector<Aabb> boxes, proper;
+        for (uint32_t k = 0; k < 3000; ++k) {
+            const bool is_box = one_in > 1 && rng.below(one_in) != 0;
+            boxes.push_back(is_box ? about(rng, random_point(rng, 10.0f), 0.1) : none[rng.below(6)]);
+            if (boxes.back().is_proper()) proper.push_back(boxes.back());
+        }
+        const Bvh bvh = build_agglomerative(boxes);
+        EXPECT_EQ(validate(bvh, boxes), "") << "one in " << one_in << ", seed 140";
+        // The others' tree is the one that they have by themselves, and the root is over it.
+        const auto sum_up = [](const Bvh& tree) {
+            std::pair<double, size_t> sum;
+            for (const BvhNode& node : tree.nodes) {
+                if (node.bounds().is_empty()) continue;
+                sum.first += node.bounds().half_area();
+                ++sum.second;
+            }
+            return sum;
+        };
+        const auto [all_area, all_count] = sum_up(bvh);
+        const auto [own_area, own_count] = sum_up(build_agglomerative(proper));
+        EXPECT_EQ(all_count, own_count + (proper.empty() ? 0 : 1)) << one_in;
+        EXPECT_NEAR(all_area, own_area + (proper.empty() ? 0.0 : bvh.nodes[0].bounds().half_area()), 1e-6 * own_area)
+            << one_in;
     }
 }
 

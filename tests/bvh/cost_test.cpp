@@ -98,13 +98,15 @@ TEST_F(Cost, OfClusteringIsBoundedOnEveryNastyInput) {
         std::vector<Aabb> boxes;
     };
     Rng rng(7);
-    std::vector<Input> inputs(6);
+    std::vector<Input> inputs(8);
     inputs[0].name = "scattered";
     inputs[1].name = "coincident";
     inputs[2].name = "on a line, each twice as far as the one before, over and over";
     inputs[3].name = "one huge among small ones";
     inputs[4].name = "sixteen clusters of coincident ones";
     inputs[5].name = "a grid";
+    inputs[6].name = "points on a line, without an area";
+    inputs[7].name = "smaller than any area";
     const auto cube = [](const glm::vec3& p, float size) { return Aabb{p, p + size}; };
     for (int k = 0; k < kCount; ++k) {
         const glm::vec3 p = random_point(rng, 100.0f);
@@ -114,6 +116,8 @@ TEST_F(Cost, OfClusteringIsBoundedOnEveryNastyInput) {
         inputs[3].boxes.push_back(k == 0 ? cube(glm::vec3(-1e6f), 2e6f) : cube(p, 1e-3f));
         inputs[4].boxes.push_back(cube(glm::vec3(float(k % 16) * 100.0f, 0, 0), 1.0f));
         inputs[5].boxes.push_back(cube(glm::vec3(k % 17, k / 17 % 17, k / 289), 1.0f));
+        inputs[6].boxes.push_back(cube(glm::vec3(p.x, 0, 0), 0.0f));
+        inputs[7].boxes.push_back(cube(1e-25f * p, 1e-27f));
     }
     PlocScratch scratch;
     for (const uint32_t exact_up_to : {0u, 0xffffffffu}) {
