@@ -52,6 +52,7 @@ constexpr float kX[kColumns + 1] = {-.85f, -.55f, -.29f, -.09f, .09f, .29f, .55f
 constexpr float kY[kRows + 1] = {1.86f, 1.6f, 1.36f, 1.28f, 1.06f, .94f, .82f, .7f, .52f, .36f, .12f, 0.0f};
 constexpr float kZ[kLayers + 1] = {-.25f, -.13f, .13f, .34f};
 constexpr float kCap = kY[0], kBelt = kY[6], kSole = kY[kRows], kHand = kX[kColumns];
+constexpr float kFlare = 1.3f;  // Of the shirt's hem.
 
 using Cell = std::array<int, 3>;  // Column, row, layer.
 
@@ -104,7 +105,10 @@ private:
 
     uint32_t vertex(const Cell& point) {
         const auto [found, is_new] = vertices_.try_emplace(point, static_cast<uint32_t>(positions_.size()));
-        if (is_new) positions_.push_back({kX[point[0]], kY[point[1]], kZ[point[2]]});
+        if (is_new) {
+            const float flare = kY[point[1]] == kBelt ? kFlare : 1.0f;
+            positions_.push_back({flare * kX[point[0]], kY[point[1]], flare * kZ[point[2]]});
+        }
         return found->second;
     }
 
@@ -197,90 +201,66 @@ Sampler swing_of(const Bone& bone, float figure_phase) {
     return sampler;
 }
 
+constexpr float kApart = 1.9f;    // Metres from dancer to dancer.
+constexpr float kFloor = -0.13f;  // As deep as toes reach.
+
+// A floor under all of them, and a wall behind.
+void add_stage(Scene& scene, int row_count) {
+    const float half = 12.0f, front = 8.0f, back = -kApart * static_cast<float>(row_count - 1) - 1.2f;
+    Mesh mesh;
+    mesh.name = "stage";
+    append(mesh, make_box({-half, kFloor - 0.1f, back}, {half, kFloor, front}), {}, add_color(scene, "floor", 0xa89a86));
+    append(mesh, make_box({-half, kFloor - 0.1f, back - 0.1f}, {half, 6.0f, back}), {}, add_color(scene, "wall", 0xd8d0c0));
+    Node node;
+    node.name = mesh.name;
+    node.mesh = scene.add(std::move(mesh));
+    scene.add(std::move(node));
+}
+
+// Dancer i: joints, a skin and a node, all of its own.
+void add_dancer(Scene& scene, MeshId mesh, int i, const glm::vec3& place) {
+    Skin skin;
+    skin.name = "dancer " + std::to_string(i);
+    for (const Bone& bone : kBones) {
+        const bool is_root = bone.parent < 0;
+        Node joint;
+        joint.name = bone.name;
+        joint.parent = is_root ? kNone<NodeId> : skin.joints[static_cast<size_t>(bone.parent)];
+        joint.local.translation = bone.place + (is_root ? place : -kBones[static_cast<size_t>(bone.parent)].place);
+        const NodeId id = scene.add(std::move(joint));
+        skin.joints.push_back(id);
+        skin.joint_from_mesh.push_back(at(-bone.place));
+        add_channel(scene, id, ChannelPath::kRotation,
+                    add_sampler(scene, swing_of(bone, 0.381966f * static_cast<float>(i))));
+    }
+    Node node;
+    node.name = skin.name;
+    node.mesh = mesh;
+    node.skin = SkinId{static_cast<uint32_t>(scene.skins.size())};
+    scene.skins.push_back(std::move(skin));
+    scene.add(std::move(node));
+}
+
 }  // namespace
 
-// Dancers side by side, in rows of eight. All show one cage; each has joints and a skin of its own, and its own phase.
+// Dancers side by side, in rows of eight. All show one cage; each has its own phase.
 Content make_dancers_scene(int size) {
     constexpr int kInRow = 8;
-    constexpr float kApart = 1.9f;  // Metres.
     Content content;
     Scene& scene = content.scene;
-    const MaterialId materials[] = {add_color(scene, "skin", 0xc98e6b), add_color(scene, "shirt", 0x4f7f94),
-                                    add_color(scene, "trousers", 0x6b5a4a)};
+    const MaterialId materials[] = {add_color(scene, "skin", 0xdfb49b), add_color(scene, "shirt", 0x6f9fb0),
+                                    add_color(scene, "trousers", 0x8a7a68)};
     Mesh cage = FigureBuilder().make(materials);
     cage.name = "dancer";
     const MeshId mesh = scene.add(std::move(cage));
-    const int columns = std::min(size, kInRow);
+    const float last_column = static_cast<float>(std::min(size, kInRow) - 1);
     for (int i = 0; i < size; ++i) {
-        Skin skin;
-        skin.name = "dancer " + std::to_string(i);
-        for (const Bone& bone : kBones) {
-            const bool is_root = bone.parent < 0;
-            Node joint;
-            joint.name = bone.name;
-            joint.parent = is_root ? kNone<NodeId> : skin.joints[static_cast<size_t>(bone.parent)];
-            const glm::vec3 place = kApart * glm::vec3(i % kInRow - columns / 2, 0, -(i / kInRow));
-            joint.local.translation = bone.place + (is_root ? place : -kBones[static_cast<size_t>(bone.parent)].place);
-            const NodeId id = scene.add(std::move(joint));
-            skin.joints.push_back(id);
-            skin.joint_from_mesh.push_back(at(-bone.place));
-            add_channel(scene, id, ChannelPath::kRotation,
-                        add_sampler(scene, swing_of(bone, 0.381966f * static_cast<float>(i))));
-        }
-        Node node;
-        node.name = skin.name;
-        node.mesh = mesh;
-        node.skin = SkinId{static_cast<uint32_t>(scene.skins.size())};
-        scene.skins.push_back(std::move(skin));
-        scene.add(std::move(node));
+        const float column = static_cast<float>(i % kInRow) - 0.5f * last_column, row = static_cast<float>(i / kInRow);
+        add_dancer(scene, mesh, i, kApart * glm::vec3(column, 0, -row));
     }
-    add_view(scene, {0.1f, 1.2f, 0.72f}, {0.0f, 1.12f, 0.0f}, 40.0f);
-    return content;
-}
-
-// A ring of size x size quads, 3 m wide, at level 2. Its tube swells and narrows in a wave that runs around it twice:
-// cos(2 a - w t) is a sum of two morph targets whose weights are cos(w t) and sin(w t).
-Content make_surface_scene(int size) {
-    constexpr float kMajor = 1.1f, kMinor = 0.4f;
-    Content content;
-    Scene& scene = content.scene;
-    std::vector<glm::vec3> positions;
-    Cage cage;
-    MorphTarget targets[2];
-    const int side = std::max(size, 3);
-    const auto index_of = [&](int i, int k) { return static_cast<uint32_t>((i % side) * side + k % side); };
-    for (int i = 0; i < side; ++i) {
-        for (int k = 0; k < side; ++k) {
-            const float a = 2.0f * kPi * static_cast<float>(i) / static_cast<float>(side);
-            const float b = 2.0f * kPi * static_cast<float>(k) / static_cast<float>(side);
-            const glm::vec3 out = {std::cos(a), std::sin(a), 0};
-            const glm::vec3 offset = kMinor * (std::cos(b) * out + glm::vec3(0, 0, std::sin(b)));
-            positions.push_back(kMajor * out + offset);
-            targets[0].positions.push_back(0.4f * std::cos(2.0f * a) * offset);
-            targets[1].positions.push_back(0.4f * std::sin(2.0f * a) * offset);
-            cage.face_sizes.push_back(4);
-            for (const uint32_t v : {index_of(i, k), index_of(i + 1, k), index_of(i + 1, k + 1), index_of(i, k + 1)}) {
-                cage.vertices.push_back(v);
-            }
-        }
-    }
-    Mesh mesh = make_surface(std::move(positions), {.cage = std::move(cage)});
-    mesh.name = "ring";
-    mesh.targets = {targets[0], targets[1]};
-    mesh.default_weights = {1, 0};
-    set_material(mesh, add_color(scene, "ring", 0xb5725a));
-    Node node;
-    node.name = "ring";
-    node.mesh = scene.add(std::move(mesh));
-    const NodeId id = scene.add(std::move(node));
-    Sampler weights{.width = 2};
-    for (int k = 0; k <= 48; ++k) {
-        const float share = static_cast<float>(k) / 48.0f;
-        weights.times_s.push_back(static_cast<float>(kLoop_s) * share);
-        weights.values.insert(weights.values.end(), {std::cos(2.0f * kPi * share), std::sin(2.0f * kPi * share)});
-    }
-    add_channel(scene, id, ChannelPath::kWeights, add_sampler(scene, std::move(weights)));
-    add_view(scene, {1.0f, 0.2f, 1.25f}, {1.05f, 0.0f, 0.0f}, 40.0f);
+    add_stage(scene, (size + kInRow - 1) / kInRow);
+    const float away = 4.4f + 0.5f * kApart * last_column;
+    add_view(scene, {0.3f * away, 0.7f + 0.15f * away, away}, {0.0f, 0.86f, 0.0f}, 30.0f);
     return content;
 }
 
