@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "engine/bvh/traverse.h"
 #include "engine/math/affine.h"
 #include "engine/scene/scene.h"
+#include "engine/scene/trace_watch.h"
 
 namespace zoe {
 
@@ -46,6 +48,7 @@ struct Tlas {
     Aabb bounds_world;                       ///< Around those of all instances.
     std::vector<uint32_t> instance_of_node;  ///< [node_count]; kNoInstance: nothing shown.
     std::vector<uint32_t> slots;             ///< [parts] positions in `parts`, in order of `placed`.
+    std::shared_ptr<TraceWatch> watch;       ///< Who is at the trees, which copies share; null: nobody looks.
 
     /// Requires   that the node shows something in this frame (it was hit).
     const Instance& operator[](NodeId node) const { return instances[instance_of_node[index(node)]]; }

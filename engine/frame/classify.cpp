@@ -91,8 +91,8 @@ void set_motion(Scene& scene, NodeId node, Motion motion) {
         throw SceneError(scene.file.empty() ? "scene" : scene.file, "/nodes/" + std::to_string(index(node)),
                          std::string("cannot be ") + name(motion) + ": its content is " + name(content));
     }
-    scene[node].motion = motion;
     scene.touch();
+    scene[node].motion = motion;
 }
 
 }  // namespace zoe

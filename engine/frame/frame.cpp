@@ -8,6 +8,7 @@
 
 #include "engine/frame/clip_trees.h"
 #include "engine/frame/frame_state.h"
+#include "engine/scene/trace_watch.h"
 
 namespace zoe {
 
@@ -33,32 +34,44 @@ const FrameState& made_state(const Scene& scene) {
     return *scene.frame;
 }
 
-// Makes the scene's state where there is none, and anew where nodes, meshes or a first write came since.
-void have_state(Scene& scene, FrameStats* stats) {
-    if (scene.frame && !scene.frame->is_in_use && !fits(*scene.frame, scene)) scene.touch();
-    if (!scene.frame) {
-        if (const std::string problem = check(scene); !problem.empty()) {
-            throw SceneError(scene.file.empty() ? "scene" : scene.file, "", problem);
-        }
-        auto state = std::make_shared<FrameState>();
-        prepare(scene, state.get());
-        build_clip_trees(scene, state.get(), stats);
-        scene.frame = std::move(state);
+void make_state(Scene& scene, FrameStats* stats) {
+    if (const std::string problem = check(scene); !problem.empty()) {
+        throw SceneError(scene.file.empty() ? "scene" : scene.file, "", problem);
     }
+    auto state = std::make_shared<FrameState>();
+    prepare(scene, state.get());
+    build_clip_trees(scene, state.get(), stats);
+    state->tlas.watch = std::make_shared<TraceWatch>();
+    scene.traces = state->tlas.watch;
+    scene.frame = std::move(state);
+}
+
+// What is left behind stays held: it is traced no more.
+void drop_state(Scene& scene) {
+    scene.frame.reset();
+    scene.traces.reset();
 }
 
 }  // namespace
 
 FrameInMaking::FrameInMaking(Scene& scene, FrameStats* stats) : scene_(scene) {
-    have_state(scene, stats);
-    if (scene.frame->is_in_use.exchange(true))
-        throw std::logic_error("advance: another thread is making a frame of this scene");
+    if (scene.frame) {
+        scene.traces->hold();
+        if (!fits(*scene.frame, scene)) drop_state(scene);
+    }
+    if (!scene.frame) {
+        make_state(scene, stats);
+        scene.traces->hold();
+    }
     state_ = scene.frame;
 }
 
 FrameInMaking::~FrameInMaking() {
-    state_->is_in_use = false;
-    if (!is_finished_) scene_.frame.reset();
+    if (is_finished_) {
+        state_->tlas.watch->let_go();
+    } else {
+        drop_state(scene_);
+    }
 }
 
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats) {

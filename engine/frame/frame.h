@@ -32,17 +32,20 @@ struct FrameStats {
 /// never on the frames before.
 ///
 /// Threads    any number may trace the tree, and read the scene, while none makes its next frame or edits it; scenes that
-///            share nothing but a TreeCache may be played in threads of their own. Who traces is not watched, that would
-///            cost each ray: whoever calls waits for them first. A second thread that makes a frame of the same scene is
-///            refused where it comes in while the first one is at it; but the first call, and the first after an edit that
-///            starts the scene's state anew, must be one thread's alone.
+///            share nothing but a TreeCache may be played in threads of their own. Batches of rays and renderings are
+///            watched: while there are any, `advance` and the scene's edits are refused and change nothing; batches are
+///            refused while a frame is made. Single rays are not, that would cost each of them, nor are edits of the
+///            scene's arrays by hand: there, whoever calls waits first. A second thread that makes a frame of the same
+///            scene is refused where it comes in while the first one is at it; but the first call, and the first after an
+///            edit that starts the scene's state anew, must be one thread's alone.
 ///
 /// Where it throws, the next call begins anew, as after `touch`.
 /// Returns    the tree to trace, owned by the scene; valid until the next call, or the next edit of the scene.
 /// Cost       first call: classifies and builds everything. Later: what moved; no allocation once sizes have settled (but
 ///            for warnings).
 /// Throws     SceneError where the scene does not pass `check`; std::invalid_argument for a time that is not finite;
-///            std::logic_error where another thread is making a frame of the scene: that one goes on undisturbed.
+///            std::logic_error where another thread is making a frame of the scene, or batches of rays are on their way
+///            through its last one: they go on undisturbed, and the scene is as it was.
 const Tlas& advance(Scene& scene, double time_s, FrameStats* stats = nullptr);
 
 /// Tells how many rays were traced through the last frame: what trees of deforming nodes that have worn out cost. Never what

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <compare>
 #include <map>
 #include <memory>
@@ -79,7 +78,6 @@ struct ClipTree {
 
 /// What `advance` keeps between frames: nothing that a frame's result depends on but its cost.
 struct FrameState {
-    std::atomic<bool> is_in_use{false};  ///< Some thread is making a frame.
     std::vector<NodeId> parents_first;
     std::vector<NodeMotion> motions;        ///< [node_count]
     std::vector<Trs> locals;                ///< [node_count] this frame's, where the node has no matrix.
@@ -110,12 +108,14 @@ struct FrameStats;
 
 /// Classifies the nodes and makes room for everything, once a scene.
 void prepare(Scene& scene, FrameState* state);
-/// Holds a scene's state while a frame of it is made. The state is made by the first one, and anew where nodes, meshes or a
-/// first write came since. Where `finish` is not reached, nothing is known of what was left behind, and it starts anew, too.
+/// Holds a scene's state and its trees while a frame of it is made. The state is made by the first one, and anew where
+/// nodes, meshes or a first write came since. Where `finish` is not reached, nothing is known of what was left behind, and
+/// it starts anew, too.
 class FrameInMaking {
 public:
     /// stats      surfaces that were refined on the way are added.
-    /// Throws     SceneError where the scene does not pass `check`; std::logic_error where another thread holds its state.
+    /// Throws     SceneError where the scene does not pass `check`; std::logic_error where another thread holds them,
+    ///            or rays are on their way through the trees.
     FrameInMaking(Scene& scene, FrameStats* stats);
     ~FrameInMaking();
     FrameInMaking(const FrameInMaking&) = delete;

@@ -33,6 +33,7 @@ bool any_hit(const Tlas& tlas, const Ray& ray, TraverseCounts* counts) {
 
 void closest_hits(const Tlas& tlas, std::span<const Ray> rays, std::span<Hit> hits) {
     assert(rays.size() == hits.size());
+    const RayBatch batch(tlas.watch.get());
     RawHit raw[kBatch];
     for (size_t begin = 0; begin < rays.size(); begin += kBatch) {
         const size_t count = std::min(kBatch, rays.size() - begin);
@@ -43,6 +44,7 @@ void closest_hits(const Tlas& tlas, std::span<const Ray> rays, std::span<Hit> hi
 
 void any_hits(const Tlas& tlas, std::span<const Ray> rays, std::span<uint8_t> is_hit) {
     assert(rays.size() == is_hit.size());
+    const RayBatch batch(tlas.watch.get());
     any_hits(tlas.levels(), rays, is_hit.data(), nullptr);
 }
 

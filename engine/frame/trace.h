@@ -26,8 +26,9 @@ Hit closest_hit(const Tlas& tlas, const Ray& ray, TraverseCounts* counts = nullp
 /// Tells whether anything is hit with t in [t_min, t_max].
 bool any_hit(const Tlas& tlas, const Ray& ray, TraverseCounts* counts = nullptr);
 
-/// The same for many rays, on the calling thread.
+/// The same for many rays, on the calling thread. Meanwhile the scene's next frame cannot be made, nor the scene edited.
 /// hits       [ray_count]
+/// Throws     std::logic_error while another thread makes the next frame; any_hits, too.
 void closest_hits(const Tlas& tlas, std::span<const Ray> rays, std::span<Hit> hits);
 /// is_hit     [ray_count] 1 or 0.
 void any_hits(const Tlas& tlas, std::span<const Ray> rays, std::span<uint8_t> is_hit);

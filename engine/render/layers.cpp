@@ -32,6 +32,7 @@ bool find_point(const Hit& hit, const Layers::Shown& shown, const Tlas& then, gl
 }  // namespace
 
 void see_layers(const Scene& scene, const Tlas& tlas, const View& view, int width, int height, Layers* layers) {
+    const RayBatch batch(tlas.watch.get());
     const size_t row = static_cast<size_t>(width), pixel_count = row * static_cast<size_t>(height);
     layers->width = width;
     layers->height = height;

@@ -78,6 +78,7 @@ std::optional<Shade> shade_from_name(std::string_view name) {
 bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,
             FrameStats* stats) {
     assert(film != nullptr && film->width > 0 && film->height > 0 && sample_count >= 0 && config.max_bounces >= 0);
+    const RayBatch batch(tlas.watch.get());
     const auto start = std::chrono::steady_clock::now();
     static thread_local Workspace workspace;
     // The layers are the first sample's, which is of one time only where there are no slices.

@@ -58,6 +58,7 @@ struct RenderConfig {
 /// stats      added to; may be null. rays: all of them; hits: those that hit; hits_hash: over the closest hits, keyed by
 ///            pixel, sample, bounce and see-through surfaces passed.
 /// Returns    false where it was cancelled.
+/// Throws     std::logic_error while another thread makes the scene's next frame, which meanwhile is refused.
 bool render(const Scene& scene, const Tlas& tlas, const View& view, const RenderConfig& config, int sample_count, Film* film,
             FrameStats* stats);
 

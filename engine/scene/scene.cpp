@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/scene/trace_watch.h"
+
 namespace zoe {
 namespace {
 
@@ -18,6 +20,10 @@ void fit_materials(std::vector<MaterialRange>& materials, uint32_t triangle_coun
     }
     if (materials.empty()) materials.push_back({});
     materials.back().end = triangle_count;
+}
+
+void require_idle(const Scene& scene) {
+    if (scene.traces) scene.traces->require_idle();
 }
 
 }  // namespace
@@ -40,23 +46,34 @@ Mesh make_surface(std::vector<glm::vec3> positions, SubdivisionSurface surface) 
     return mesh;
 }
 
+void Scene::touch() {
+    // Held for good: rays through copies of the tree, which lead nowhere now, are refused.
+    if (traces) traces->hold();
+    traces.reset();
+    frame.reset();
+}
+
 NodeId Scene::add(Node node) {
+    require_idle(*this);
     nodes.push_back(std::move(node));
     return NodeId(nodes.size() - 1);
 }
 
 MeshId Scene::add(Mesh mesh) {
+    require_idle(*this);
     meshes.push_back(std::move(mesh));
     return MeshId(meshes.size() - 1);
 }
 
 MaterialId Scene::add(Material material) {
+    require_idle(*this);
     materials.push_back(std::move(material));
     return MaterialId(materials.size() - 1);
 }
 
 void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                        std::span<const glm::uvec3> corners) {
+    require_idle(*this);
     const std::string place = fmt::format("mesh {}", index(id));
     if (index(id) >= meshes.size()) throw SceneError(file, place, "there is no such mesh");
     if (!normals.empty() && normals.size() != positions.size()) {
@@ -101,6 +118,7 @@ void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::spa
 }
 
 void Scene::write_cage(MeshId id, std::span<const glm::vec3> positions) {
+    require_idle(*this);
     const std::string place = fmt::format("mesh {}", index(id));
     if (index(id) >= meshes.size()) throw SceneError(file, place, "there is no such mesh");
     Mesh& mesh = (*this)[id];

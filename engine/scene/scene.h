@@ -111,8 +111,7 @@ struct Viewpoint {
     /// and forth. Then its level may depend on frames before, within what is asked for; at 0 it depends on the frame alone.
     float hysteresis = 0.25f;
     /// Of all surfaces with `pixels` together: one for each pixel of a large picture. While they would have more, those of
-    /// the finest level become a level coarser one by one, those of most triangles first and of these the first node; with a
-    /// warning. Level 1 is the coarsest.
+    /// the finest level go a level coarser one by one, of most triangles and then the first node first; with a warning.
     uint64_t max_triangles = uint64_t{1} << 23;
 };
 
@@ -121,6 +120,7 @@ class TreeCache;    // engine/bvh/cache.h
 
 /// A scene graph: nodes, what they show, and how they move. Plain arrays; ids are positions in them.
 /// NodeId is the glTF node's index for scenes from files; nodes that the reader adds stand after those.
+/// While batches of rays are on their way through its last frame, functions that edit it throw std::logic_error.
 class Scene {
 public:
     Scene() = default;
@@ -176,7 +176,7 @@ public:
     void write_cage(MeshId mesh, std::span<const glm::vec3> positions);
 
     /// Tells the engine that nodes, meshes, clips, skins or materials were changed by hand: the frame state starts anew.
-    void touch() { frame.reset(); }
+    void touch();
 
     /// Parents before children: every node's position in `nodes`, in an order that one loop can follow.
     /// Throws     SceneError where a parent is missing or nodes form a cycle.
@@ -186,7 +186,8 @@ public:
     void warn(const std::string& text) { ++warnings_[plain_line(text)]; }
     const std::map<std::string, uint64_t>& warnings() const { return warnings_; }
 
-    std::shared_ptr<FrameState> frame;  ///< Made by the first `advance`; opaque here.
+    std::shared_ptr<FrameState> frame;         ///< Made by the first `advance`; opaque here.
+    std::shared_ptr<class TraceWatch> traces;  ///< Made with it: who is at its trees.
 
 private:
     std::map<std::string, uint64_t> warnings_;

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -11,17 +9,12 @@
 #include "engine/scene/image.h"
 #include "tests/apps/run_program.h"
 #include "tests/apps/small_scene.h"
+#include "tests/support/read_bytes.h"
 
 namespace zoe::test {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string read_bytes(const std::filesystem::path& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file, std::ios::binary).rdbuf();
-    return bytes.str();
-}
 
 std::vector<std::string> demo(std::vector<std::string> more) {
     std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32", "--spp", "2"};

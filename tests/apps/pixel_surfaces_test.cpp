@@ -1,24 +1,17 @@
 // Surfaces that are as fine as the demo's pictures show.
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "tests/apps/run_program.h"
 #include "tests/apps/small_scene.h"
+#include "tests/support/read_bytes.h"
 
 namespace zoe::test {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string read_bytes(const std::filesystem::path& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file, std::ios::binary).rdbuf();
-    return bytes.str();
-}
 
 Outcome play(const TempFolder& folder, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32", "--spp", "2"};

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include "engine/bvh/cache.h"
 #include "engine/bvh/tree_file.h"
 #include "tests/bvh/inputs.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/temp_folder.h"
 
@@ -32,12 +32,6 @@ inline bool is_same(const Blas& a, const Blas& b) {
     return has_same_bits(a.tree.nodes, b.tree.nodes) && a.tree.level_ends == b.tree.level_ends &&
            has_same_bits(a.blocks, b.blocks) && a.triangle_count == b.triangle_count &&
            a.not_finite_count == b.not_finite_count && a.has_pieces == b.has_pieces;
-}
-
-inline std::string read_bytes(const std::filesystem::path& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file, std::ios::binary).rdbuf();
-    return bytes.str();
 }
 
 inline size_t file_count(const std::filesystem::path& folder) {

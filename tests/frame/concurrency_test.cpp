@@ -13,33 +13,19 @@
 #include "engine/frame/classify.h"
 #include "engine/frame/frame.h"
 #include "engine/math/parallel.h"
-#include "engine/math/rng.h"
+#include "tests/frame/motion_class.h"
+#include "tests/frame/random_rays.h"
 
 namespace zoe {
 namespace {
+
+using test::play;
+using test::rays_at;
 
 // Small ones of every motion class.
 const char* const kScenes[] = {"static-500",    "rigid-8",     "deforming-12", "skinned-1",
                                "arbitrary-200", "topology-10", "instances-40"};
 constexpr double kTimes_s[] = {0.0, 0.7, 1.3};
-
-std::vector<Ray> rays_at(const Tlas& tlas, size_t count, uint64_t seed) {
-    Rng rng(seed);
-    const auto random = [&] { return glm::vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)); };
-    const Aabb bounds = tlas.bounds();
-    const glm::vec3 middle = 0.5f * (bounds.lo + bounds.hi), half = 0.5f * (bounds.hi - bounds.lo);
-    std::vector<Ray> rays;
-    for (size_t k = 0; k < count; ++k) {
-        const glm::vec3 origin = middle + 2.0f * half * random();
-        rays.push_back({origin, middle + half * random() - origin});
-    }
-    return rays;
-}
-
-const Tlas& play(Content& content, double time_s) {
-    if (content.write) content.write(content.scene, time_s);
-    return advance(content.scene, time_s);
-}
 
 // Hits at several times, one after another.
 std::vector<Hit> hits_of(const char* name) {

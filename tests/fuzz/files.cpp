@@ -1,7 +1,5 @@
 #include "tests/fuzz/files.h"
 
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -20,12 +18,6 @@ void overwrite(const std::filesystem::path& file, std::span<const std::byte> byt
         descriptor >= 0 && write(descriptor, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
     if (descriptor >= 0) close(descriptor);
     if (!is_written) throw std::runtime_error("cannot write " + file.string());
-}
-
-std::string read_bytes(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw std::runtime_error("cannot read " + file.string());
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace zoe::test

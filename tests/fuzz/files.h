@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "tests/support/read_bytes.h"
 #include "tests/support/temp_folder.h"
 
 namespace zoe::test {
@@ -16,10 +17,6 @@ std::filesystem::path memory_folder();
 /// Writes a file from its beginning, in the place of what was in it. By system calls: this is done millions of times.
 /// Throws     std::runtime_error.
 void overwrite(const std::filesystem::path& file, std::span<const std::byte> bytes);
-
-/// All of a file.
-/// Throws     std::runtime_error.
-std::string read_bytes(const std::filesystem::path& file);
 
 inline std::span<const std::byte> as_bytes(std::string_view text) {
     return std::as_bytes(std::span(text.data(), text.size()));
