@@ -1,6 +1,7 @@
 #include "apps/demo/headless.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -46,11 +47,13 @@ struct Run {
     NoiseLimit noise_limit;
 };
 
-/// What smooths a frame by those before it.
-struct Smoothing {
+/// What a frame knows of the one before it.
+struct Memory {
     PastFrame past;
+    std::optional<int> past_frame;  ///< The number of the one that is kept.
     Guides guides;
     Denoiser denoiser;
+    Layers layers;
 };
 
 /// The share of a frame's time that the camera's own shutter is open.
@@ -68,9 +71,10 @@ Shutter shutter_of(const Options& options, const ViewChoice& view_choice, const 
 }
 
 /// Traces a frame. Returns what it did.
-/// layers     filled where they are wanted, but for the motion; else null.
-FrameStats make_frame(const Take& take, const Options& options, const Shutter& shutter, int frame, Film* film,
-                      Smoothing* smoothing, Layers* layers, Run* run, const std::function<void(double)>& report) {
+/// has_layers they are filled: the frame before is made for their motion where it was not, so that a frame's file does not
+///            depend on those that were made before it.
+FrameStats make_frame(const Take& take, const Options& options, const Shutter& shutter, int frame, bool has_layers,
+                      Film* film, Memory* memory, Run* run, const std::function<void(double)>& report) {
     FrameStats stats;
     const int spp = samples_of(options);
     RenderConfig config;
@@ -81,20 +85,23 @@ FrameStats make_frame(const Take& take, const Options& options, const Shutter& s
     if (options.is_denoised) {
         config.is_jittered = false;
         config.first_number = static_cast<uint32_t>(frame) * static_cast<uint32_t>(spp);
-        config.guides = &smoothing->guides;
-        smoothing->guides.past = &smoothing->past;
+        config.guides = &memory->guides;
+        memory->guides.past = &memory->past;
     }
     const Clock::time_point open_begin = Clock::now();
+    if (has_layers) {
+        config.layers = &memory->layers;
+        memory->layers.past = &memory->past;
+        if (memory->past_frame != frame - 1) {
+            const Tlas& before = take.advance((frame - 1) / options.fps, &stats);
+            memory->past.keep(before, take.view());
+        }
+    }
     Exposure exposure(take, shutter, config, film, &stats);
     run->events.add_stages(open_begin, stats, frame);
     if (run->stats.threads == 0) run->stats = describe_run(options.scene, take.scene, exposure.tlas());
     catch_interrupts();  // the first `advance` may be long, and until here nothing was written
 
-    const Clock::time_point layers_begin = Clock::now();
-    if (layers != nullptr) {
-        see_layers(take.scene, exposure.tlas(), exposure.view(), film->width, film->height, layers);
-        run->events.add("layers", layers_begin, ms_since(layers_begin), frame);
-    }
     const Clock::time_point trace_begin = Clock::now();
     // What is dark in the picture is dark after its exposure.
     const NoiseConfig noise{.target = static_cast<float>(options.noise.value_or(0.0)),
@@ -106,18 +113,15 @@ FrameStats make_frame(const Take& take, const Options& options, const Shutter& s
         report(std::max(share, std::min(elapsed, 1.0)));
     };
     if (!run->noise_limit.expose(noise, spp, &exposure, may_go_on, report_share)) throw Interrupted("interrupted");
-    if (options.is_denoised) {
-        smoothing->denoiser.filter(smoothing->guides, {}, film);
-        smoothing->past.keep(exposure.tlas(), exposure.view());
+    if (options.is_denoised) memory->denoiser.filter(memory->guides, {}, film);
+    memory->past_frame.reset();
+    // After slices, it is another frame's tree.
+    if (!exposure.is_sliced() && (has_layers || options.is_denoised)) {
+        memory->past.keep(exposure.tlas(), exposure.view());
+        memory->past_frame = frame;
     }
     run->events.add("trace", trace_begin, ms_since(trace_begin), frame);
     if (!exposure.is_sliced()) report_rays(take.scene, stats.rays);
-    if (layers != nullptr) {
-        const Clock::time_point motion_begin = Clock::now();
-        const Tlas& before = take.advance((frame - 1) / options.fps, nullptr);
-        add_motion(exposure.view(), before, take.view(), layers);
-        run->events.add("layers", motion_begin, ms_since(motion_begin), frame);
-    }
     return stats;
 }
 
@@ -172,8 +176,7 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
     const PictureSize size = options.size.value_or(kDefaultSize);
     set_viewpoint(view_choice, size, 0.0f, &content.scene);  // No frame depends on those before.
     Film film(size.width, size.height);
-    Smoothing smoothing;
-    Layers layers;
+    Memory memory;
     const Take take{
         .scene = content.scene,
         .advance = [&](double time_s, FrameStats* stats) -> const Tlas& { return advance(content, time_s, stats); },
@@ -188,12 +191,11 @@ void make_frames(Content& content, const Options& options, const ViewChoice& vie
         };
         if (is_interrupted()) throw Interrupted("interrupted");
         const Shutter shutter = shutter_of(options, view_choice, content.scene, frame);
-        const FrameStats stats =
-            make_frame(take, options, shutter, frame, &film, &smoothing, has_layers ? &layers : nullptr, run, report);
+        const FrameStats stats = make_frame(take, options, shutter, frame, has_layers, &film, &memory, run, report);
         const Clock::time_point write_begin = Clock::now();
         write_film(film, options.out(frame),
                    {.grade = options.grade,
-                    .layers = has_layers ? &layers : nullptr,
+                    .layers = has_layers ? &memory.layers : nullptr,
                     .notes = notes_of(options, view_choice, content.scene, shutter, film, frame)});
         run->events.add("write", write_begin, ms_since(write_begin), frame);
         run->stats.frames.push_back({.frame = frame, .stats = stats, .samples = mean_samples(film), .peer = {}});

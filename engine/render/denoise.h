@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
-#include <glm/vec3.hpp>
-
+#include "engine/render/denoise_planes.h"
 #include "engine/render/film.h"
 #include "engine/render/guides.h"
 
@@ -43,46 +39,9 @@ public:
     void filter(const Guides& guides, const DenoiseConfig& config, Film* film);
 
 private:
-    /// Of each pixel, a number in a row of its own: loops over them fill vectors.
-    struct Light {
-        std::vector<float> red, green, blue, variance;
-        void resize(size_t pixel_count);
-    };
-    struct Shape {
-        std::vector<float> x, y, z;       // normal
-        std::vector<float> depth, slope;  // metres, and metres a pixel
-        std::vector<uint32_t> node;
-        void resize(size_t pixel_count);
-    };
-    struct Moments {
-        std::vector<float> mean, square, frames;  // of brightness, and over how many frames
-        void resize(size_t pixel_count);
-    };
-    struct RowSums {
-        std::vector<float> red, green, blue, variance, weight, less_deep, less_bright;
-        void resize(size_t width);
-    };
-
-    void resize(int width, int height);
-    void take_in(const Film& film, const Guides& guides);
-    void find_slopes(size_t row_begin, size_t row_end);
-    void look_around(size_t row_begin, size_t row_end);
-    void look_toward(size_t row, int across, int down);
-    struct Past;
-    Past find_past(size_t pixel, const Guides& guides) const;
-    void follow(size_t pixel, const Guides& guides, const DenoiseConfig& config);
-    void smooth_row(size_t row, size_t step, float strength, const Light& from, Light* to, RowSums* sums) const;
-    void smooth_toward(size_t row, size_t step, int across, int down, const Light& from, RowSums* sums) const;
-    void put_out(const Guides& guides, Film* film) const;
-
-    int width_ = 0, height_ = 0;
+    DenoiseFrame frame_;
+    DenoiseLight smoothed_;
     bool is_first_ = true;
-    Light sample_;              // of this frame
-    std::vector<float> known_;  // 1 where the sample is finite, and of a surface; else 0
-    Moments near_;              // of this frame's samples around each pixel; frames: of how many
-    Light light_, smoothed_, past_light_;
-    Shape shape_, past_shape_;
-    Moments moments_, past_moments_;
 };
 
 }  // namespace zoe

@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/math/parallel.h"
 #include "engine/render/layers.h"
 #include "engine/scene/image.h"
 #include "engine/scene/srgb.h"
@@ -17,6 +18,8 @@
 namespace zoe {
 
 namespace {
+
+constexpr size_t kPixelGrain = 4096;
 
 // Channels of a layer, taken apart.
 template <typename Vector>
@@ -92,13 +95,15 @@ glm::vec4 Film::pixel(int x, int y) const {
 
 std::vector<uint8_t> to_rgba8(const Film& film, const Grade& grade) {
     std::vector<uint8_t> rgba(film.sum.size() * 4);
-    for (size_t i = 0; i < film.sum.size(); ++i) {
-        const uint32_t count = film.samples_of(i);
-        const float scale = count > 0 ? grade.exposure / static_cast<float>(count) : 0.0f;
-        const glm::vec3 color = tone_map(grade.tone, glm::vec3(film.sum[i]) * scale);
-        for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = srgb_byte_from_linear(color[c]);
-        rgba[4 * i + 3] = 255;  // The sky is part of the picture: coverage belongs to compositing, which reads the EXR.
-    }
+    parallel_for(0, film.sum.size(), kPixelGrain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+            const uint32_t count = film.samples_of(i);
+            const float scale = count > 0 ? grade.exposure / static_cast<float>(count) : 0.0f;
+            const glm::vec3 color = tone_map(grade.tone, glm::vec3(film.sum[i]) * scale);
+            for (int c = 0; c < 3; ++c) rgba[4 * i + static_cast<size_t>(c)] = srgb_byte_from_linear(color[c]);
+            rgba[4 * i + 3] = 255;  // The sky is part of the picture: coverage belongs to compositing, which reads the EXR.
+        }
+    });
     return rgba;
 }
 

@@ -16,9 +16,10 @@ void record_geometry(const View& view, const Ray& ray, const Hit& hit, size_t pi
     film->primitive[pixel] = hit.primitive;
 }
 
-void see_geometry(const Tlas& tlas, const View& view, Film* film) {
+void see_geometry(const Scene& scene, const Tlas& tlas, const View& view, Film* film, Layers* layers) {
     constexpr size_t kRowGrain = 8;
     const size_t row = static_cast<size_t>(film->width);
+    if (layers != nullptr) layers->start(film->width, film->height);
     parallel_for(0, static_cast<size_t>(film->height), kRowGrain, [&](size_t begin, size_t end) {
         static thread_local std::vector<Ray> rays;
         static thread_local std::vector<Hit> hits;
@@ -29,7 +30,10 @@ void see_geometry(const Tlas& tlas, const View& view, Film* film) {
         }
         hits.resize(rays.size());
         closest_hits(tlas, rays, hits);
-        for (size_t i = 0; i < rays.size(); ++i) record_geometry(view, rays[i], hits[i], begin * row + i, film);
+        for (size_t i = 0; i < rays.size(); ++i) {
+            record_geometry(view, rays[i], hits[i], begin * row + i, film);
+            if (layers != nullptr) layers->see(begin * row + i, scene, tlas, view, rays[i], hits[i]);
+        }
     });
 }
 

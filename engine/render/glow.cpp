@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
+#include "engine/math/parallel.h"
 #include "engine/render/direction.h"
 #include "engine/render/texture.h"
 
 namespace zoe {
 
 namespace {
+
+constexpr size_t kGrain = 4096;  // triangles
 
 /// The mean of a texture's light, where it has levels.
 glm::vec3 mean_color(const Scene& scene, const TextureRef& ref) {
@@ -41,20 +45,42 @@ float area_of(const Instance& instance, const glm::uvec3& corner) {
 void Glow::gather(const Scene& scene, const Tlas& tlas) {
     brightness_.clear();
     for (const Material& material : scene.materials) brightness_.push_back(brightness_of(scene, material));
-    places_.clear();
-    power_.clear();
+    list_pieces(tlas);
+    const size_t count = pieces_.empty() ? 0 : pieces_.back().end;
+    places_.resize(count);
+    power_.resize(count);
+    parallel_for(0, count, kGrain, [&](size_t begin, size_t end) { weigh(begin, end); });
+    if (power_ == built_for_) return;  // The table knows of powers only.
+    table_.build(power_);
+    std::swap(power_, built_for_);
+}
+
+void Glow::list_pieces(const Tlas& tlas) {
+    pieces_.clear();
+    size_t count = 0;
     for (const Instance& instance : tlas.instances) {
         for (const MaterialRange& range : instance.mesh->materials) {
             if (range.material == kNone<MaterialId> || !(brightness_[index(range.material)] > 0.0f)) continue;
-            for (uint32_t i = range.begin; i < range.end; ++i) {
-                const float power = area_of(instance, instance.mesh->corners[i]) * brightness_[index(range.material)];
-                if (!(power > 0.0f) || !std::isfinite(power)) continue;
-                places_.push_back({instance.node, i});
-                power_.push_back(power);
-            }
+            const size_t begin = count;
+            count += range.end - range.begin;
+            pieces_.push_back({&instance, &range, begin, count});
         }
     }
-    table_.build(power_);
+}
+
+/// Of the triangles [begin, end) that glow. What has no finite power has none.
+void Glow::weigh(size_t begin, size_t end) {
+    const auto is_before = [](size_t place, const Piece& piece) { return place < piece.end; };
+    auto piece = std::upper_bound(pieces_.begin(), pieces_.end(), begin, is_before);
+    for (size_t i = begin; i < end; ++i) {
+        while (i >= piece->end) ++piece;
+        const uint32_t primitive = piece->range->begin + static_cast<uint32_t>(i - piece->begin);
+        const Instance& instance = *piece->instance;
+        const float power =
+            area_of(instance, instance.mesh->corners[primitive]) * brightness_[index(piece->range->material)];
+        places_[i] = {instance.node, primitive};
+        power_[i] = std::isfinite(power) ? power : 0.0f;
+    }
 }
 
 Hit Glow::sample(float pick, const glm::vec2& u) const {

@@ -14,7 +14,8 @@ namespace zoe {
 class Glow {
 public:
     /// Collects them from what the frame shows. Memory is kept from one frame to the next.
-    /// Cost       O(triangles that glow), plus O(material ranges).
+    /// Cost       O(triangles that glow), plus O(material ranges): in parallel, but for the table of their powers, which is
+    ///            kept while these are the same.
     void gather(const Scene& scene, const Tlas& tlas);
 
     bool is_dark() const { return !(table_.total() > 0.0); }
@@ -31,9 +32,19 @@ private:
         NodeId node;
         uint32_t primitive;
     };
+    /// Triangles of an instance that have the same material, from the place `begin` on.
+    struct Piece {
+        const Instance* instance;
+        const MaterialRange* range;
+        size_t begin, end;
+    };
+    void list_pieces(const Tlas& tlas);
+    void weigh(size_t begin, size_t end);
+
     std::vector<float> brightness_;  // [material_count]
+    std::vector<Piece> pieces_;      // while gathering
     std::vector<Place> places_;
-    std::vector<float> power_;  // [places]
+    std::vector<float> power_, built_for_;  // [places]; built_for_: what the table holds
     AliasTable table_;
 };
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -11,33 +10,26 @@
 
 namespace zoe {
 
-/// What the rays through pixels' centres meet, beside what a film holds: for those who filter or compose pictures. All
-/// arrays [height * width], top row first.
+class PastFrame;  // engine/render/past_frame.h
+
+/// What the rays through pixels' centres meet, beside what a film holds: for those who compose pictures. `render` fills it
+/// where it is asked to. All arrays [height * width], top row first.
 struct Layers {
+    /// What motion is measured from; null, or nothing kept in it: everything stood still.
+    const PastFrame* past = nullptr;
+
     int width = 0, height = 0;
-    std::vector<Hit> hits;
     std::vector<glm::vec3> albedo;  ///< Linear base colour; 0 on a miss.
     std::vector<glm::vec3> normal;  ///< Shading normal, world space, towards the viewer; 0 on a miss.
-    /// How far what is shown has moved since another time, across the picture: pixels to the right and up. 0 until
-    /// `add_motion`.
+    /// How far what is shown, the sky too, has moved since the past frame, across the picture: pixels to the right and up.
+    /// What had no place there (the node was hidden, or its mesh had other triangles) is taken to have stood still; 0 for
+    /// what was behind that camera, or in its very place.
     std::vector<glm::vec2> motion;
 
-    std::vector<glm::vec3> points;  ///< Where they hit, in the world; on a miss, the ray's direction.
-    /// Which mesh each instance shows: one of another version, or another mesh, has other triangles.
-    struct Shown {
-        const Mesh* mesh = nullptr;
-        uint64_t version = 0;
-    };
-    std::vector<Shown> shown;  ///< [node_count]
+    /// Makes room.
+    void start(int picture_width, int picture_height);
+    /// Notes what the ray through a pixel's centre has met, or that it is a miss.
+    void see(size_t pixel, const Scene& scene, const Tlas& tlas, const View& view, const Ray& ray, const Hit& hit);
 };
-
-/// tlas       of the last frame that was made.
-/// layers     result; its memory is reused.
-void see_layers(const Scene& scene, const Tlas& tlas, const View& view, int width, int height, Layers* layers);
-
-/// Follows what each pixel shows, the sky too, from another time. What has no place there (the node was hidden, or its mesh
-/// had other triangles) is taken to have stood still. 0 for what was behind that camera, or in its very place.
-/// view       of the layers; `then`, `view_then`: the frame that was made last, and its view.
-void add_motion(const View& view, const Tlas& then, const View& view_then, Layers* layers);
 
 }  // namespace zoe

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <glm/geometric.hpp>
+#include "engine/render/luminance.h"
 
 namespace zoe {
 
@@ -16,10 +16,6 @@ constexpr uint32_t kAllSamples = std::numeric_limits<uint32_t>::max();
 /// Of a neighbouring block's variance, what counts as one's own.
 constexpr double kNeighbourShare = 0.25;
 constexpr int kSamplesAPass = 4;  ///< Between two looks at the clock.
-
-float luminance(const glm::vec4& color) {
-    return glm::dot(glm::vec3(color), glm::vec3(0.2126f, 0.7152f, 0.0722f));
-}
 
 /// Which of the two kinds of squares a pixel is on.
 size_t square(size_t x, size_t y) {
@@ -65,7 +61,7 @@ bool NoiseLimit::expose(const NoiseConfig& config, int most_samples, Exposure* e
             most_needed = judge(config, &film);
             if (most_needed <= static_cast<uint32_t>(goal)) return true;
         }
-        for (size_t k = 0; k < film.sum.size(); ++k) half_luminance_[k] = luminance(film.sum[k]);
+        for (size_t k = 0; k < film.sum.size(); ++k) half_luminance_[k] = luminance(glm::vec3(film.sum[k]));
         if (most_needed < static_cast<uint32_t>(2 * goal)) last = std::min(last, static_cast<int>(most_needed));
         goal = std::min(2 * goal, last);
     }
@@ -75,7 +71,7 @@ void NoiseLimit::measure(const NoiseConfig& config, const Film& film) {
     const uint32_t count = static_cast<uint32_t>(film.sample_count);
     for (size_t k = 0; k < film.sum.size(); ++k) {
         if (film.samples_of(k) < count) continue;  // What was known when it stopped stays.
-        const float whole = luminance(film.sum[k]), first = half_luminance_[k];
+        const float whole = luminance(glm::vec3(film.sum[k])), first = half_luminance_[k];
         // The means of the halves differ by twice the error of theirs: (2 first - 2 (whole - first)) / count.
         const float error = std::abs(2.0f * first - whole), least = config.least_luminance * static_cast<float>(count);
         const float relative = error / std::max(whole, least);

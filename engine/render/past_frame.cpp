@@ -2,6 +2,21 @@
 
 namespace zoe {
 
+namespace {
+
+glm::vec3 point_on(const Mesh& mesh, const glm::vec3* positions, const Affine& world_from_local, const Hit& hit) {
+    const glm::uvec3& corners = mesh.corners[hit.primitive];
+    const glm::vec3 &a = positions[corners.x], &b = positions[corners.y], &c = positions[corners.z];
+    return world_from_local.point((1.0f - hit.u - hit.v) * a + hit.u * b + hit.v * c);
+}
+
+}  // namespace
+
+glm::vec3 point_of(const Tlas& tlas, const Hit& hit) {
+    const Instance& instance = tlas[hit.node];
+    return point_on(*instance.mesh, instance.positions.data(), instance.world_from_local, hit);
+}
+
 void PastFrame::keep(const Tlas& tlas, const View& view) {
     is_kept_ = true;
     view_ = view;
@@ -27,10 +42,8 @@ bool PastFrame::find_point(const Tlas& tlas, const Hit& hit, glm::vec3* point) c
     const bool is_same =
         place.mesh == now.mesh && place.version == now.mesh->version && place.vertex_count == now.positions.size();
     if (!is_same) return false;
-    const glm::uvec3& corners = now.mesh->corners[hit.primitive];
     const glm::vec3* const positions = place.first == kNotCopied ? now.positions.data() : positions_.data() + place.first;
-    const glm::vec3 &a = positions[corners.x], &b = positions[corners.y], &c = positions[corners.z];
-    *point = place.world_from_local.point((1.0f - hit.u - hit.v) * a + hit.u * b + hit.v * c);
+    *point = point_on(*now.mesh, positions, place.world_from_local, hit);
     return true;
 }
 

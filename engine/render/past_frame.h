@@ -10,6 +10,9 @@
 
 namespace zoe {
 
+/// The point of a hit triangle, in the world.
+glm::vec3 point_of(const Tlas& tlas, const Hit& hit);
+
 /// Where everything on show was in the frame before: for whoever follows what a ray meets back to it.
 class PastFrame {
 public:

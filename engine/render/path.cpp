@@ -6,6 +6,7 @@
 
 #include "engine/math/parallel.h"
 #include "engine/render/guides.h"
+#include "engine/render/layers.h"
 #include "engine/render/tile.h"
 
 namespace zoe {
@@ -85,7 +86,9 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
     const bool has_layers = !config.slice && film->sample_count == 0 && sample_count > 0;
     copy_sums(*film, has_layers, &workspace.film);
     Guides* const guides = has_layers ? config.guides : nullptr;
+    Layers* const layers = has_layers ? config.layers : nullptr;
     if (guides != nullptr) guides->start(film->width, film->height);
+    if (layers != nullptr) layers->start(film->width, film->height);
     gather_lights(scene, config, &workspace.lighting);
     workspace.glow.gather(scene, tlas);
     const Pass pass{.scene = scene,
@@ -96,6 +99,7 @@ bool render(const Scene& scene, const Tlas& tlas, const View& view, const Render
                     .glow = workspace.glow,
                     .lets_light_pass = lets_light_pass(scene, tlas),
                     .guides = guides,
+                    .layers = layers,
                     .first_sample = film->sample_count,
                     .sample_count = sample_count,
                     .enough = film->enough,

@@ -14,6 +14,7 @@ namespace zoe {
 
 class Environment;  // engine/render/environment.h
 struct Guides;      // engine/render/guides.h
+struct Layers;      // engine/render/layers.h
 
 /// What a pixel shows: the lit picture, the surface's colour, its normal, its motion class, or the work of its ray.
 enum class Shade : uint8_t { kPath, kAlbedo, kNormal, kMotion, kCost };
@@ -43,6 +44,7 @@ struct RenderConfig {
     std::optional<Slice> slice;
     uint32_t first_number = 0;                  ///< Of the random numbers of the film's first sample: frames take turns.
     Guides* guides = nullptr;                   ///< Filled by the film's first sample, where there are no slices.
+    Layers* layers = nullptr;                   ///< The same.
     const std::atomic<bool>* cancel = nullptr;  ///< Set by another thread to leave early; the film is then not changed.
 };
 

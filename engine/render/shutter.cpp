@@ -32,7 +32,7 @@ Exposure::Exposure(const Take& take, const Shutter& shutter, const RenderConfig&
       view_(take.view()) {
     assert(shutter.open_s >= 0.0 && std::has_single_bit(shutter.slices) && film != nullptr && stats != nullptr);
     film->clear();
-    if (is_sliced()) see_geometry(*tlas_, view_, film);
+    if (is_sliced()) see_geometry(take.scene, *tlas_, view_, film, config.layers);
 }
 
 bool Exposure::add(int sample_count, const std::function<void(double)>& report) {

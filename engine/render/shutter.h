@@ -37,7 +37,8 @@ struct Take {
 ///            Deviation: a pixel's samples are dealt over the pictures, which are of one sample for each pixel or less.
 class Exposure {
 public:
-    /// Makes the frame at which the shutter opens, and clears the film; its layers of geometry are of that time.
+    /// Makes the frame at which the shutter opens, and clears the film; its layers of geometry are of that time,
+    /// as are the config's, where it has some.
     /// take       it, and the film and the stats, outlive this. stats: added to; all frames that are made.
     /// Throws     what the take does.
     Exposure(const Take& take, const Shutter& shutter, const RenderConfig& config, Film* film, FrameStats* stats);

@@ -122,6 +122,8 @@ void TileTracer::record_layers(const Rays& batch) {
         const Path& path = paths_[batch.paths[i]];
         if (!path.is_first) return;
         record_geometry(pass_->view, batch.rays[i], hits_[i], path.pixel, film_);
+        if (pass_->layers == nullptr) continue;
+        pass_->layers->see(path.pixel, pass_->scene, pass_->tlas, pass_->view, batch.rays[i], hits_[i]);
     }
 }
 

@@ -25,6 +25,7 @@ struct Pass {
     const Glow& glow;
     bool lets_light_pass = false;  ///< Some material on show does: shadow rays must look at what they meet.
     Guides* guides = nullptr;      ///< Of the film's first sample, where that is in this pass.
+    Layers* layers = nullptr;      ///< The same.
     int first_sample = 0, sample_count = 0;
     std::span<const uint32_t> enough;  ///< The film's.
     Slice slice;                       ///< Without slices, the only one.

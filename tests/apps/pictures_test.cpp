@@ -144,6 +144,28 @@ TEST(Pictures, SayWhatTheyShow) {
     }
 }
 
+/// Motion is measured from the frame before: made for it, where it was not made anyway.
+TEST(Pictures, MotionDoesNotDependOnTheFramesMadeBefore) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    const auto render = [&](const char* frames, const char* out) {
+        const Outcome outcome = run_demo(folder.path(), demo({"--frames", frames, "--out", out}));
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    };
+    render("3-6", "all/f%d.exr");
+    render("6", "alone/f%d.exr");
+    EXPECT_FALSE(read_bytes(folder / "all/f6.exr").empty());
+    EXPECT_TRUE(read_bytes(folder / "all/f6.exr") == read_bytes(folder / "alone/f6.exr"));
+    const FloatImage image = read_picture(folder / "alone/f6.exr");
+    const auto across = std::ranges::find(image.channels, "backward.u");
+    ASSERT_NE(across, image.channels.end());
+    float most = 0.0f;
+    for (size_t i = static_cast<size_t>(across - image.channels.begin()); i < image.values.size();
+         i += image.channels.size())
+        most = std::max(most, std::abs(image.values[i]));
+    EXPECT_GT(most, 0.1f) << "pixels: something moves";
+}
+
 TEST(Pictures, SharesMakeTheSameFilesAsOneRun) {
     const TempFolder folder;
     write_small_scene(folder);

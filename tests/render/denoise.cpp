@@ -10,7 +10,6 @@
 #include "content/content.h"
 #include "engine/math/parallel.h"
 #include "engine/math/rng.h"
-#include "engine/render/layers.h"
 #include "engine/render/past_frame.h"
 #include "engine/render/tone_map.h"
 #include "engine/scene/srgb.h"
@@ -142,28 +141,43 @@ TEST(Denoise, StillSceneConverges) {
     EXPECT_LT(last, 0.5 * first);
 }
 
-/// The points that a ray meets are followed back to where the layers' motion, worked out by going there, says.
-TEST(Denoise, PointsAreFollowedAsTheLayersFollowThem) {
-    Frames frames("swing", 96, 54);
-    Layers layers;
+/// The points that a ray meets are followed back to where the triangle is found by going there, in double precision.
+TEST(Denoise, PointsAreFollowedToWhereTheyWere) {
+    constexpr int kPictureWidth = 96, kPictureHeight = 54;
+    Frames frames("swing", kPictureWidth, kPictureHeight);
     frames.advance_to(30 / 24.0);
     const View view_then = frames.view;
     frames.advance_to(31 / 24.0);
     frames.sample(1, 0, &frames.guides);
-    const View view_now = frames.view;
-    see_layers(frames.scene(), *frames.tlas, view_now, 96, 54, &layers);
     const Guides& guides = frames.guides;
-    add_motion(view_now, advance(frames.scene(), 30 / 24.0), view_then, &layers);
+    std::vector<Hit> hits;
+    for (size_t k = 0; k < guides.node.size(); ++k) {
+        hits.push_back(closest_hit(*frames.tlas,
+                                   camera_ray(frames.view, static_cast<float>(k % kPictureWidth) + 0.5f,
+                                              static_cast<float>(k / kPictureWidth) + 0.5f, kPictureWidth, kPictureHeight)));
+    }
+    const Tlas& then = advance(frames.scene(), 30 / 24.0);
     int compared = 0, unknown = 0;
     for (size_t k = 0; k < guides.node.size(); ++k) {
-        if (guides.node[k] != index(layers.hits[k].node) || !layers.hits[k]) continue;
+        const Hit& hit = hits[k];
+        if (guides.node[k] != index(hit.node) || !hit) continue;
         if (!(guides.was_at[k].x == guides.was_at[k].x)) {
             ++unknown;  // Another mesh of a sequence.
             continue;
         }
-        const float x = static_cast<float>(k % 96) + 0.5f, y = static_cast<float>(k / 96) + 0.5f;
-        EXPECT_NEAR(x - guides.was_at[k].x, layers.motion[k].x, 1e-2f);
-        EXPECT_NEAR(guides.was_at[k].y - y, layers.motion[k].y, 1e-2f);
+        const Instance& instance = then[hit.node];
+        const glm::uvec3& corners = instance.mesh->corners[hit.primitive];
+        const glm::dvec3 a(instance.positions[corners.x]), b(instance.positions[corners.y]),
+            c(instance.positions[corners.z]);
+        const glm::dvec3 local = a + double(hit.u) * (b - a) + double(hit.v) * (c - a);
+        const glm::dvec3 was = glm::dmat3(instance.world_from_local.linear) * local +
+                               glm::dvec3(instance.world_from_local.translation) - glm::dvec3(view_then.origin);
+        const double depth = -glm::dot(was, glm::dvec3(view_then.axis_z));
+        const double right = glm::dot(was, glm::dvec3(view_then.axis_x)) / (depth * view_then.half_width),
+                     up = glm::dot(was, glm::dvec3(view_then.axis_y)) / (depth * view_then.half_height);
+        EXPECT_NEAR(guides.was_at[k].x, 0.5 * kPictureWidth * (1.0 + right), 1e-2);
+        EXPECT_NEAR(guides.was_at[k].y, 0.5 * kPictureHeight * (1.0 - up), 1e-2);
+        EXPECT_NEAR(guides.was_depth[k], depth, 1e-4 * depth);
         ++compared;
     }
     EXPECT_GT(compared, 4000);

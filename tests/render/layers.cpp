@@ -8,6 +8,9 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "engine/math/parallel.h"
+#include "engine/render/geometry.h"
+#include "engine/render/past_frame.h"
+#include "engine/render/path.h"
 #include "tests/render/scenes.h"
 #include "tests/support/same_bits.h"
 
@@ -28,20 +31,49 @@ View looking(const glm::vec3& eye) {
     return look_at(eye, {0, 0, 0}, 50.0f, float(kWidth) / kHeight);
 }
 
-Layers layers_of(Scene& scene, const View& view) {
+/// What the rays through pixels' centres meet, by themselves.
+std::vector<Hit> hits_of(const Tlas& tlas, const View& view) {
+    std::vector<Hit> hits;
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            hits.push_back(closest_hit(
+                tlas, camera_ray(view, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, kWidth, kHeight)));
+        }
+    }
+    return hits;
+}
+
+/// Where the ray of a pixel meets something.
+glm::dvec3 point_at(const View& view, size_t k, const Hit& hit) {
+    const Ray ray =
+        camera_ray(view, static_cast<float>(k % kWidth) + 0.5f, static_cast<float>(k / kWidth) + 0.5f, kWidth, kHeight);
+    return glm::dvec3(ray.origin) + double(hit.t) * glm::dvec3(ray.direction);
+}
+
+Layers layers_of(const Scene& scene, const Tlas& tlas, const View& view, const PastFrame* past) {
+    Film film(kWidth, kHeight);
     Layers layers;
-    see_layers(scene, advance(scene, 0.0), view, kWidth, kHeight, &layers);
+    layers.past = past;
+    see_geometry(scene, tlas, view, &film, &layers);
     return layers;
+}
+
+PastFrame kept(const Tlas& tlas, const View& view) {
+    PastFrame past;
+    past.keep(tlas, view);
+    return past;
 }
 
 TEST(Layers, HoldColoursAndNormalsOfWhatIsHit) {
     Scene scene;
     add_node(scene, make_sphere(4, add_diffuse(scene, {0.2f, 0.4f, 0.6f}), true));
     const View view = looking({0, 0, 4});
-    const Layers layers = layers_of(scene, view);
+    const Tlas& tlas = advance(scene, 0.0);
+    const std::vector<Hit> hits = hits_of(tlas, view);
+    const Layers layers = layers_of(scene, tlas, view, nullptr);
     int hit_count = 0;
-    for (size_t k = 0; k < layers.hits.size(); ++k) {
-        if (!layers.hits[k]) {
+    for (size_t k = 0; k < hits.size(); ++k) {
+        if (!hits[k]) {
             EXPECT_EQ(layers.albedo[k], glm::vec3(0.0f));
             EXPECT_EQ(layers.normal[k], glm::vec3(0.0f));
             continue;
@@ -49,10 +81,34 @@ TEST(Layers, HoldColoursAndNormalsOfWhatIsHit) {
         ++hit_count;
         EXPECT_EQ(layers.albedo[k], glm::vec3(0.2f, 0.4f, 0.6f));
         // A unit sphere's normal is the point itself, but for how coarse the triangles are.
-        EXPECT_LT(glm::distance(layers.normal[k], glm::normalize(layers.points[k])), 0.02f);
+        EXPECT_LT(glm::distance(glm::dvec3(layers.normal[k]), glm::normalize(point_at(view, k, hits[k]))), 0.02);
         EXPECT_EQ(layers.motion[k], glm::vec2(0.0f));
     }
     EXPECT_GT(hit_count, kWidth * kHeight / 10);
+}
+
+/// The first sample of a picture fills them with the same bits as rays of their own.
+TEST(Layers, APictureFillsThem) {
+    Scene scene;
+    const NodeId node = add_node(scene, make_sphere(3, add_diffuse(scene, {0.2f, 0.4f, 0.6f}), true));
+    const View view = looking({1, 0.5f, 4}), view_then = looking({0.8f, 0.5f, 4});
+    const PastFrame past = kept(advance(scene, 0.0), view_then);
+    scene[node].local.translation = {0.2f, 0.1f, 0};
+    const Tlas& tlas = advance(scene, 1.0);
+    const Layers alone = layers_of(scene, tlas, view, &past);
+    for (const Shade shade : {Shade::kPath, Shade::kNormal, Shade::kCost}) {
+        Layers layers;
+        layers.past = &past;
+        RenderConfig config;
+        config.shade = shade;
+        config.layers = &layers;
+        Film film(kWidth, kHeight);
+        ASSERT_TRUE(render(scene, tlas, view, config, 2, &film, nullptr));
+        ASSERT_TRUE(render(scene, tlas, view, config, 1, &film, nullptr));
+        EXPECT_TRUE(has_same_bits(layers.albedo, alone.albedo));
+        EXPECT_TRUE(has_same_bits(layers.normal, alone.normal));
+        EXPECT_TRUE(has_same_bits(layers.motion, alone.motion));
+    }
 }
 
 /// A sphere that is moved, turned and scaled, seen by a camera that moves, too.
@@ -64,17 +120,19 @@ TEST(Layers, MotionIsWhereEachPointWasToTheEye) {
     const Trs now{
         .translation = {0.4f, 0.1f, 0}, .rotation = glm::angleAxis(0.3f, glm::vec3(0, 1, 0)), .scale = glm::vec3(1.1f)};
     const Trs then{.translation = {0.1f, -0.2f, 0.3f}, .rotation = glm::angleAxis(0.1f, glm::vec3(0, 1, 0))};
-    scene[node].local = now;
-    Layers layers = layers_of(scene, view);
     scene[node].local = then;
-    add_motion(view, advance(scene, 1.0), view_then, &layers);
+    const PastFrame past = kept(advance(scene, 0.0), view_then);
+    scene[node].local = now;
+    const Tlas& tlas = advance(scene, 1.0);
+    const std::vector<Hit> hits = hits_of(tlas, view);
+    const Layers layers = layers_of(scene, tlas, view, &past);
 
     int moved_count = 0, still_count = 0;
-    for (size_t k = 0; k < layers.hits.size(); ++k) {
-        if (!layers.hits[k]) continue;
-        const glm::dvec3 point(layers.points[k]);
+    for (size_t k = 0; k < hits.size(); ++k) {
+        if (!hits[k]) continue;
+        const glm::dvec3 point = point_at(view, k, hits[k]);
         glm::dvec3 before = point;
-        if (layers.hits[k].node == node) {
+        if (hits[k].node == node) {
             // Back to the sphere, and out to where it was.
             const glm::dquat turn_now(now.rotation), turn_then(then.rotation);
             const glm::dvec3 local = glm::inverse(turn_now) * (point - glm::dvec3(now.translation)) / double(now.scale.x);
@@ -96,10 +154,11 @@ TEST(Layers, TheSkyMovesAsTheCameraTurns) {
     add_node(scene, make_sphere(0, add_diffuse(scene, glm::vec3(0.5f)), false), {.translation = {0, 0, 500}});
     const View view = look_at({0, 0, 0}, {0, 0, -1}, 50.0f, float(kWidth) / kHeight);
     const View view_then = look_at({9, 9, 9}, {9.1f, 9, 8}, 50.0f, float(kWidth) / kHeight);  // Where it stands is all one.
-    Layers layers = layers_of(scene, view);
-    add_motion(view, advance(scene, 1.0), view_then, &layers);
+    const Tlas& tlas = advance(scene, 0.0);
+    const PastFrame past = kept(tlas, view_then);
+    const Layers layers = layers_of(scene, tlas, view, &past);
     const size_t middle = size_t{kHeight / 2} * kWidth + kWidth / 2;
-    ASSERT_FALSE(layers.hits[middle]);
+    ASSERT_FALSE(hits_of(tlas, view)[middle]);
     // It turned to the left by an angle whose tangent is 0.1; what it shows went to the right.
     EXPECT_NEAR(layers.motion[middle].x, 0.1f * 0.5f * kWidth / view.half_width, 0.05f);
     EXPECT_NEAR(layers.motion[middle].y, 0.0f, 0.01f);
@@ -112,12 +171,13 @@ TEST(Layers, WhatWasNotThereIsTakenToHaveStoodStill) {
     const NodeId written =
         add_node(scene, make_sphere(2, add_diffuse(scene, glm::vec3(0.5f)), false), {.translation = {1, 0, 0}});
     const View view = looking({0, 0, 5});
-    Layers layers = layers_of(scene, view);
     scene[hidden].local.scale = glm::vec3(0.0f);
+    const PastFrame past = kept(advance(scene, 0.0), view);
+    scene[hidden].local.scale = glm::vec3(1.0f);
     Mesh other = make_box(kNone<MaterialId>);
     scene.write_mesh(scene[written].mesh, other.positions, {}, other.corners);
     scene[written].local.translation.y = 1.0f;
-    add_motion(view, advance(scene, 1.0), view, &layers);
+    const Layers layers = layers_of(scene, advance(scene, 1.0), view, &past);
     for (const glm::vec2& motion : layers.motion) EXPECT_EQ(motion, glm::vec2(0.0f));
 }
 
@@ -135,9 +195,9 @@ TEST(Layers, ASurfaceMayHaveHadAnotherLevel) {
     const View view = looking({0, 0, 5});
     for (const float away : {4.0f, 400.0f, 3.0f, 90.0f, 5.0f, 9.0f, 1000.0f}) {
         scene.viewpoint = Viewpoint{.eye_world = {0, 0, away}, .hysteresis = 0.0f};
-        Layers layers = layers_of(scene, view);
+        const PastFrame past = kept(advance(scene, 0.0), view);
         scene.viewpoint->eye_world.z = away > 50.0f ? 3.5f : 700.0f;
-        add_motion(view, advance(scene, 1.0), view, &layers);
+        const Layers layers = layers_of(scene, advance(scene, 1.0), view, &past);
         for (const glm::vec2& motion : layers.motion) ASSERT_EQ(motion, glm::vec2(0.0f)) << "from " << away;
     }
 }
@@ -149,12 +209,13 @@ TEST(Layers, OrthographicCamerasHaveMotionAndNoSky) {
     view.is_perspective = false;
     view.half_width = 2.0f * kWidth / kHeight;
     view.half_height = 2.0f;
+    const PastFrame past = kept(advance(scene, 0.0), view);
     scene[node].local.translation = {0.25f, 0, 0};
-    Layers layers = layers_of(scene, view);
-    scene[node].local.translation = {0, 0, 0};
-    add_motion(view, advance(scene, 1.0), view, &layers);
-    for (size_t k = 0; k < layers.hits.size(); ++k) {
-        EXPECT_NEAR(layers.motion[k].x, layers.hits[k] ? 0.25f * kHeight / 4.0f : 0.0f, 1e-4f);
+    const Tlas& tlas = advance(scene, 1.0);
+    const std::vector<Hit> hits = hits_of(tlas, view);
+    const Layers layers = layers_of(scene, tlas, view, &past);
+    for (size_t k = 0; k < hits.size(); ++k) {
+        EXPECT_NEAR(layers.motion[k].x, hits[k] ? 0.25f * kHeight / 4.0f : 0.0f, 1e-4f);
         EXPECT_NEAR(layers.motion[k].y, 0.0f, 1e-4f);
     }
 }
@@ -163,14 +224,16 @@ TEST(Layers, AreTheSameOnAnyNumberOfThreads) {
     Scene scene;
     add_node(scene, make_sphere(3, add_diffuse(scene, glm::vec3(0.5f)), true));
     const View view = looking({1, 2, 3});
+    const Tlas& tlas = advance(scene, 0.0);
+    const PastFrame past = kept(tlas, looking({1.1f, 2, 3}));
     set_thread_count(1);
-    const Layers one = layers_of(scene, view);
+    const Layers one = layers_of(scene, tlas, view, &past);
     set_thread_count(3);
-    const Layers three = layers_of(scene, view);
+    const Layers three = layers_of(scene, tlas, view, &past);
     set_thread_count(0);
-    EXPECT_EQ(one.hits, three.hits);
+    EXPECT_TRUE(has_same_bits(one.albedo, three.albedo));
     EXPECT_TRUE(has_same_bits(one.normal, three.normal));
-    EXPECT_TRUE(has_same_bits(one.points, three.points));
+    EXPECT_TRUE(has_same_bits(one.motion, three.motion));
 }
 
 }  // namespace

@@ -68,6 +68,11 @@ TEST(ImageLevels, BytesOfLightAreTheStandards) {
         const double encoded = x <= 0.0031308f ? 12.92 * x : 1.055 * std::pow(static_cast<double>(x), 1.0 / 2.4) - 0.055;
         EXPECT_NEAR(srgb_byte_from_linear(x), encoded * 255.0, 0.51) << x;
     }
+    for (int i = 0; i < 255; ++i) {
+        const float step = linear_from_srgb((static_cast<float>(i) + 0.5f) / 255.0f);
+        EXPECT_EQ(srgb_byte_from_linear(std::nextafter(step, 0.0f)), i);
+        EXPECT_EQ(srgb_byte_from_linear(step), i + 1);
+    }
     EXPECT_EQ(srgb_byte_from_linear(-1.0f), 0);
     EXPECT_EQ(srgb_byte_from_linear(std::numeric_limits<float>::quiet_NaN()), 0);
     EXPECT_EQ(srgb_byte_from_linear(std::numeric_limits<float>::infinity()), 255);
