@@ -1,9 +1,7 @@
 #include "engine/deform/skin_kernels.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "engine/math/simd_targets.h"
 

@@ -35,30 +35,25 @@ HWY_INLINE Quads blend_any(const SkinWork& work, size_t vertex) {
     return sum;
 }
 
-// The same of four, some of which is not 0. What a vertex takes is loads most of all: one for its joints, one for its
-// weights.
+// The same of four, some of which is not 0.
 HWY_INLINE Quads blend_four(const SkinWork& work, size_t vertex) {
-    static_assert(std::endian::native == std::endian::little, "the first joint is in the lowest bits");
-    uint64_t joints;
-    std::memcpy(&joints, work.joints + 4 * vertex, sizeof joints);
-    const Floats weights = hn::LoadDup128(FloatTag(), work.weights + 4 * vertex);
+    const uint16_t* const joints = work.joints + 4 * vertex;
+    const float* const weights = work.weights + 4 * vertex;
     Quads sum = zero_quads();
-    add_weighted(load_affine(work, joints & 0xffff), hn::Broadcast<0>(weights), &sum);
-    add_weighted(load_affine(work, joints >> 16 & 0xffff), hn::Broadcast<1>(weights), &sum);
-    add_weighted(load_affine(work, joints >> 32 & 0xffff), hn::Broadcast<2>(weights), &sum);
-    add_weighted(load_affine(work, joints >> 48), hn::Broadcast<3>(weights), &sum);
+    for (int k = 0; k < 4; ++k) add_weighted(load_affine(work, joints[k]), hn::Set(FloatTag(), weights[k]), &sum);
     return sum;
 }
 
-// Tells whether some vertex of a whole chunk, of four influences each, has no weight at all.
+// Tells whether some vertex of a whole chunk, of four influences each, has no weight at all. Folded twice, each vertex's
+// weights are one lane, wherever that is.
 HWY_INLINE bool has_weightless(const float* weights) {
     const FloatTag d;
     auto is_any = hn::MaskFromVec(hn::Zero(d));
+    const auto fold = [&](Floats a, Floats b) { return hn::Or(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b)); };
     for (size_t lane = 0; lane < kChunk; lane += kWidth) {
-        Floats a, b, c, e;
-        hn::LoadInterleaved4(d, weights + 4 * lane, a, b, c, e);
-        const Floats bits = hn::Abs(hn::Or(hn::Or(a, b), hn::Or(c, e)));
-        is_any = hn::Or(is_any, hn::Eq(bits, hn::Zero(d)));
+        const auto at = [&](size_t k) { return hn::LoadU(d, weights + 4 * lane + k * kWidth); };
+        const Floats bits = fold(fold(at(0), at(1)), fold(at(2), at(3)));
+        is_any = hn::Or(is_any, hn::Eq(hn::Abs(bits), hn::Zero(d)));
     }
     return !hn::AllFalse(d, is_any);
 }
@@ -75,11 +70,10 @@ HWY_INLINE void blend_chunk(const SkinWork& work, size_t first, size_t count, Qu
 }
 
 HWY_INLINE Affines load(const QuadMemory& memory, size_t lane) {
-    const FloatTag d;
     Affines m;
     for (int row = 0; row < 3; ++row) {
         Vectors& to = m.rows[row];
-        hn::LoadInterleaved4(d, memory.of[row] + 4 * lane, to.x, to.y, to.z, m.translation[row]);
+        transpose(memory.of[row] + 4 * lane, &to.x, &to.y, &to.z, &m.translation[row]);
     }
     return m;
 }

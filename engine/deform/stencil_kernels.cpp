@@ -78,13 +78,13 @@ HWY_INLINE void sum_position(const StencilWork& work, size_t vertex, size_t lane
         sum = hn::Add(sum, hn::Mul(hn::Broadcast<2>(weights), point(k + 2)));
         sum = hn::Add(sum, hn::Mul(hn::Broadcast<3>(weights), point(k + 3)));
     }
-    hn::Store(sum, quad, memory->of[0] + 4 * lane);
+    hn::Store(sum, quad, memory->of[0] + 4 * place_of(lane));
 }
 
 HWY_INLINE Vectors load(const QuadMemory& memory, size_t quad, size_t lane) {
     Vectors v;
     Floats unused;
-    hn::LoadInterleaved4(FloatTag(), memory.of[quad] + 4 * lane, v.x, v.y, v.z, unused);
+    transpose(memory.of[quad] + 4 * lane, &v.x, &v.y, &v.z, &unused);
     return v;
 }
 
