@@ -12,7 +12,7 @@ namespace zoe {
 namespace {
 
 constexpr size_t kGrain = 128;
-constexpr size_t kVerticesAhead = 3;  // Blocks whose vertices are asked for.
+constexpr size_t kBlocksAhead = 8, kVerticesAhead = 3, kNodesAhead = 2;  // Asked for, in blocks and nodes.
 
 using place_detail::Float4, place_detail::Int4, place_detail::SlotBounds;
 
@@ -32,12 +32,21 @@ public:
 
     void fit(size_t index, Counts* counts) const {
         WideNode* node = &blas_.tree.nodes[index];
+        prefetch_all(blas_.tree.nodes[std::min(index + kNodesAhead, blas_.tree.nodes.size() - 1)]);
         node->is_box_changed = node->is_sum_changed = 0;
         for (int first = 0; first < kWidth; first += kSide) fit_side(first, node, counts);
         if (node->is_sum_changed) sum_costs(blas_.tree, CollapseConfig{}.block_cost, node);
     }
 
 private:
+    // Asks for what is read and written one after another: processors don't do so by themselves as far as it pays.
+    template <typename Value>
+    static void prefetch_all(const Value& value) {
+        constexpr size_t kLine = 64;
+        for (size_t at = 0; at < sizeof value; at += kLine)
+            __builtin_prefetch(reinterpret_cast<const char*>(&value) + at, 1);
+    }
+
     void fit_side(int first, WideNode* node, Counts* counts) const {
         SlotBounds bounds[kSide];
         Int4 is_fitted{};
@@ -84,6 +93,7 @@ private:
         const size_t begin = first_block(leaf), last = blas_.blocks.size() - 1;
         for (size_t k = begin; k < begin + block_count(leaf); ++k) {
             // The next leaves' blocks follow.
+            prefetch_all(blas_.blocks[std::min(k + kBlocksAhead, last)]);
             place_detail::prefetch(positions_, corners_, blas_.blocks[std::min(k + kVerticesAhead, last)]);
             counts->not_finite += place_detail::place_block(positions_, corners_, &blas_.blocks[k], &bounds);
         }
