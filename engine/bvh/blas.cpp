@@ -65,13 +65,13 @@ void fit_items(std::span<const glm::vec3> positions, std::span<const glm::uvec3>
 void place_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas) {
     std::atomic<uint32_t> not_finite_count{0};
     parallel_for(0, blas->blocks.size(), kBlockGrain, [&](size_t begin, size_t end) {
-        uint32_t not_finite_here = 0;
+        place_detail::Int4 not_finite_here{};
         for (size_t k = begin; k < end; ++k) {
             place_detail::prefetch(positions, corners, blas->blocks[std::min(k + kPrefetchAhead, end - 1)]);
-            place_detail::SlotBounds ignored;
+            place_detail::SlotBounds ignored = place_detail::SlotBounds::none();
             not_finite_here += place_detail::place_block(positions, corners, &blas->blocks[k], &ignored);
         }
-        not_finite_count += not_finite_here;
+        not_finite_count += static_cast<uint32_t>(place_detail::count(not_finite_here));
     });
     blas->not_finite_count = not_finite_count;
 }

@@ -26,28 +26,28 @@ inline Float4 larger(Float4 a, Float4 b) {
     return a > b ? a : b;
 }
 
+/// How many slots were counted, from the sums of their masks, each of which is -1.
+inline uint64_t count(Int4 masks) {
+    uint64_t sum = 0;
+    for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) sum += static_cast<uint32_t>(-masks[slot]);
+    return sum;
+}
+
 inline bool any(Int4 mask) {
     int64_t halves[2];
     std::memcpy(halves, &mask, sizeof halves);
     return (halves[0] | halves[1]) != 0;
 }
 
-/// Turns four points x y z _ into the rows of their x, of their y, and of their z.
-inline void transpose(const Float4 (&points)[4], Float4 (&rows)[3]) {
-    const Float4 xy_01 = __builtin_shufflevector(points[0], points[1], 0, 4, 1, 5);
-    const Float4 xy_23 = __builtin_shufflevector(points[2], points[3], 0, 4, 1, 5);
-    const Float4 z_01 = __builtin_shufflevector(points[0], points[1], 2, 6, 3, 7);
-    const Float4 z_23 = __builtin_shufflevector(points[2], points[3], 2, 6, 3, 7);
-    rows[0] = __builtin_shufflevector(xy_01, xy_23, 0, 1, 4, 5);
-    rows[1] = __builtin_shufflevector(xy_01, xy_23, 2, 3, 6, 7);
-    rows[2] = __builtin_shufflevector(z_01, z_23, 0, 1, 4, 5);
-}
-
 /// Bounds of the triangles that were placed, each slot of their blocks for itself.
 struct SlotBounds {
-    static constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    Float4 lo[3] = {Float4{} + kInfinity, Float4{} + kInfinity, Float4{} + kInfinity};
-    Float4 hi[3] = {Float4{} - kInfinity, Float4{} - kInfinity, Float4{} - kInfinity};
+    Float4 lo[3], hi[3];
+
+    /// The identity of `extend`.
+    static SlotBounds none() {
+        const Float4 most = Float4{} + std::numeric_limits<float>::infinity();
+        return {{most, most, most}, {-most, -most, -most}};
+    }
 
     /// NaN extends nothing.
     void extend(const Float4 (&point)[3]) {
@@ -56,34 +56,49 @@ struct SlotBounds {
             hi[axis] = larger(point[axis], hi[axis]);
         }
     }
-
-    Aabb box() const {
-        Aabb box;
-        for (int axis = 0; axis < 3; ++axis) {
-            const Float4 low = smaller(lo[axis], __builtin_shufflevector(lo[axis], lo[axis], 2, 3, 0, 1));
-            const Float4 high = larger(hi[axis], __builtin_shufflevector(hi[axis], hi[axis], 2, 3, 0, 1));
-            box.lo[axis] = low[0] < low[1] ? low[0] : low[1];
-            box.hi[axis] = high[0] > high[1] ? high[0] : high[1];
-        }
-        return box;
-    }
 };
 
-/// A vertex as x y z 0, without reading what follows it.
-inline Float4 load(const float* position) {
-    double xy;
-    std::memcpy(&xy, position, sizeof xy);
-    Float4 halves;
-    const Double2 wide{xy, 0.0};
-    std::memcpy(&halves, &wide, sizeof halves);
-    return __builtin_shufflevector(halves, Float4{position[2], 0.0f, 0.0f, 0.0f}, 0, 1, 4, 5);
+/// The least (or greatest) of each of four registers side by side. Of zeros of either sign, always that of the same place.
+template <typename Better>
+inline Float4 across(const Float4& a, const Float4& b, const Float4& c, const Float4& d, Better better) {
+    const Float4 ab = better(__builtin_shufflevector(a, b, 0, 4, 1, 5), __builtin_shufflevector(a, b, 2, 6, 3, 7));
+    const Float4 cd = better(__builtin_shufflevector(c, d, 0, 4, 1, 5), __builtin_shufflevector(c, d, 2, 6, 3, 7));
+    return better(__builtin_shufflevector(ab, cd, 0, 1, 4, 5), __builtin_shufflevector(ab, cd, 2, 3, 6, 7));
 }
 
-/// Asks for the vertices of a block: they lie anywhere in memory.
+/// Two neighbouring floats each of two vertices.
+inline Float4 load_pairs(const float* first, const float* second) {
+    Double2 both;
+    std::memcpy(&both[0], first, sizeof both[0]);
+    std::memcpy(&both[1], second, sizeof both[1]);
+    Float4 pairs;
+    std::memcpy(&pairs, &both, sizeof pairs);
+    return pairs;
+}
+
+/// The x of four points, their y, and their z.
+struct Rows {
+    Float4 x, y, z;
+};
+
+/// Reads four vertices, and nothing that stands beside them.
+inline Rows load(const float* a, const float* b, const float* c, const float* d) {
+    const Float4 xy_ab = load_pairs(a, b), xy_cd = load_pairs(c, d);
+    const Float4 yz_ab = load_pairs(a + 1, b + 1), yz_cd = load_pairs(c + 1, d + 1);
+    return {__builtin_shufflevector(xy_ab, xy_cd, 0, 2, 4, 6), __builtin_shufflevector(xy_ab, xy_cd, 1, 3, 5, 7),
+            __builtin_shufflevector(yz_ab, yz_cd, 1, 3, 5, 7)};
+}
+
+/// 0, or NaN where a coordinate is not finite.
+inline Float4 probe(const Rows& rows) {
+    return 0.0f * rows.x + 0.0f * rows.y + 0.0f * rows.z;
+}
+
+/// Asks for the vertices of a block: they lie anywhere in memory. Without branches, as which slots are empty is hard to
+/// foresee: those ask for the mesh's first triangle.
 inline void prefetch(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, const TriangleBlock& block) {
     for (const uint32_t primitive : block.primitive) {
-        if (primitive == kEmptyChild) continue;
-        const glm::uvec3& corner = corners[primitive];
+        const glm::uvec3& corner = corners[primitive & -static_cast<uint32_t>(primitive != kEmptyChild)];
         __builtin_prefetch(&positions[corner.x]);
         __builtin_prefetch(&positions[corner.z]);
     }
@@ -91,39 +106,40 @@ inline void prefetch(std::span<const glm::vec3> positions, std::span<const glm::
 
 /// Puts a block's triangles where their vertices are now, those that are not finite as NaN, and extends bounds by the
 /// others.
-/// Returns    how many are not finite.
-inline uint32_t place_block(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, TriangleBlock* block,
-                            SlotBounds* bounds) {
-    static constexpr float kNowhere[3] = {NAN, NAN, NAN};
-    static constexpr glm::uvec3 kNoCorners{0, 0, 0};
-    Float4 points[3][TriangleBlock::kSize];
-    for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
-        const uint32_t primitive = block->primitive[slot];
-        const bool is_empty = primitive == kEmptyChild;
-        const glm::uvec3& corner = is_empty ? kNoCorners : corners[primitive];
-        for (int k = 0; k < 3; ++k) points[k][slot] = load(is_empty ? kNowhere : &positions[corner[k]].x);
-    }
-    Float4 rows[3][3];
-    Float4 probe{};  // 0, or NaN where any coordinate is not finite.
-    for (int k = 0; k < 3; ++k) {
-        transpose(points[k], rows[k]);
-        probe += 0.0f * rows[k][0] + 0.0f * rows[k][1] + 0.0f * rows[k][2];
-    }
-    uint32_t not_finite_count = 0;
-    if (any(probe != probe)) {
-        for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
-            not_finite_count += probe[slot] != probe[slot] && block->primitive[slot] != kEmptyChild;
-        }
-        const Float4 nowhere = Float4{} + NAN;
-        for (auto& corner : rows) {
-            for (Float4& row : corner) row = probe == probe ? row : nowhere;
+/// Returns    a mask of those that are not finite.
+inline Int4 place_block(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, TriangleBlock* block,
+                        SlotBounds* bounds) {
+    Int4 primitives;
+    std::memcpy(&primitives, block->primitive, sizeof primitives);
+    static_assert(kEmptyChild == static_cast<uint32_t>(-1));
+    const Int4 is_empty = primitives == -1;
+    primitives &= ~is_empty;  // An empty slot reads the mesh's first triangle.
+    const auto triangle = [&](int slot) -> const glm::uvec3& { return corners[static_cast<uint32_t>(primitives[slot])]; };
+    const glm::uvec3 &p = triangle(0), &q = triangle(1), &r = triangle(2), &s = triangle(3);
+    const auto vertex = [&](uint32_t k) { return &positions[k].x; };
+    Rows a = load(vertex(p.x), vertex(q.x), vertex(r.x), vertex(s.x));
+    Rows b = load(vertex(p.y), vertex(q.y), vertex(r.y), vertex(s.y));
+    Rows c = load(vertex(p.z), vertex(q.z), vertex(r.z), vertex(s.z));
+    Int4 is_not_finite{};
+    // The sum may overflow where all is finite.
+    const Float4 sum = (a.x + a.y + a.z) + (b.x + b.y + b.z) + (c.x + c.y + c.z);
+    if (const Float4 sum_probe = 0.0f * sum; any(sum_probe != sum_probe)) [[unlikely]] {
+        const Float4 each_probe = probe(a) + probe(b) + probe(c), nowhere = Float4{} + NAN;
+        is_not_finite = (each_probe != each_probe) & ~is_empty;
+        for (Rows* rows : {&a, &b, &c}) {
+            for (Float4* row : {&rows->x, &rows->y, &rows->z}) *row = each_probe == each_probe ? *row : nowhere;
         }
     }
-    for (int k = 0; k < 3; ++k) {
-        bounds->extend(rows[k]);
-        std::memcpy(block->corners[3 * k], rows[k], sizeof rows[k]);
-    }
-    return not_finite_count;
+    const Float4 nowhere = is_empty ? Float4{} + NAN : -Float4{};  // Adding -0 changes nothing, not even a zero's sign.
+    const auto put = [&](int k, const Rows& rows) {
+        const Float4 placed[3] = {rows.x + nowhere, rows.y + nowhere, rows.z + nowhere};
+        bounds->extend(placed);
+        std::memcpy(block->corners[3 * k], placed, sizeof placed);
+    };
+    put(0, a);
+    put(1, b);
+    put(2, c);
+    return is_not_finite;
 }
 
 }  // namespace zoe::place_detail

@@ -1,6 +1,7 @@
 #include "engine/bvh/wide.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace zoe {
 
@@ -8,6 +9,14 @@ namespace {
 
 std::string at(size_t node, int slot) {
     return "node " + std::to_string(node) + " child " + std::to_string(slot) + ": ";
+}
+
+using Double2 = double __attribute__((vector_size(sizeof(double) * 2)));
+
+Double2 pair_at(const double* first) {
+    Double2 pair;
+    std::memcpy(&pair, first, sizeof pair);
+    return pair;
 }
 
 }  // namespace
@@ -31,20 +40,24 @@ double WideBvh::summed_cost() const {
 }
 
 void sum_costs(const WideBvh& wide, float block_cost, WideNode* node) {
-    // As Aabb::half_area has it, for all slots at once.
-    double areas[kWidth];
-    for (int slot = 0; slot < kWidth; ++slot) {
-        const double x = double(node->planes[1][slot]) - node->planes[0][slot];
-        const double y = double(node->planes[3][slot]) - node->planes[2][slot];
-        const double z = double(node->planes[5][slot]) - node->planes[4][slot];
-        areas[slot] = x >= 0.0 && y >= 0.0 && z >= 0.0 ? x * y + y * z + z * x : 0.0;
+    // As Aabb::half_area has it, and what leaves cost, for slots side by side; an empty slot's area is 0.
+    double extents[3][kWidth], block_counts[kWidth], areas[kWidth], leaf_costs[kWidth];
+    for (int axis = 0; axis < 3; ++axis) {
+        const float *const lo = node->planes[2 * axis], *const hi = node->planes[2 * axis + 1];
+        for (int slot = 0; slot < kWidth; ++slot) extents[axis][slot] = double(hi[slot]) - lo[slot];
+    }
+    for (int slot = 0; slot < kWidth; ++slot) block_counts[slot] = static_cast<int32_t>(block_count(node->child[slot]));
+    for (int slot = 0; slot < kWidth; slot += 2) {
+        const Double2 x = pair_at(extents[0] + slot), y = pair_at(extents[1] + slot), z = pair_at(extents[2] + slot);
+        const Double2 area = (x >= 0.0) & (y >= 0.0) & (z >= 0.0) ? x * y + y * z + z * x : Double2{};
+        const Double2 leaf_cost = area * (double(block_cost) * pair_at(block_counts + slot));
+        std::memcpy(areas + slot, &area, sizeof area);
+        std::memcpy(leaf_costs + slot, &leaf_cost, sizeof leaf_cost);
     }
     double sum = 0.0;
     for (int slot = 0; slot < kWidth; ++slot) {
         const uint32_t child = node->child[slot];
-        if (child == kEmptyChild) continue;
-        sum += is_leaf(child) ? areas[slot] * (double(block_cost) * block_count(child))
-                              : areas[slot] + wide.nodes[child].area_cost;
+        sum += is_leaf(child) ? leaf_costs[slot] : areas[slot] + wide.nodes[child].area_cost;
     }
     node->area_cost = sum;
 }

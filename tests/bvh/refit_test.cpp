@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -25,8 +28,19 @@ uint64_t count_leaves(const WideBvh& tree) {
     return count;
 }
 
-/// What the nodes have summed is what their boxes give.
+/// What the nodes have summed is what their boxes give, each to the bit what a child after the other gives.
 void expect_sums(const WideBvh& tree) {
+    for (const WideNode& node : tree.nodes) {
+        double sum = 0.0;
+        for (int slot = 0; slot < kWidth; ++slot) {
+            const uint32_t child = node.child[slot];
+            if (child == kEmptyChild) continue;
+            const double area = node.box(slot).half_area();
+            sum += is_leaf(child) ? area * (double(CollapseConfig{}.block_cost) * block_count(child))
+                                  : area + tree.nodes[child].area_cost;
+        }
+        ASSERT_EQ(node.area_cost, sum);
+    }
     const double expected = sah_cost(tree, CollapseConfig{}.block_cost);
     EXPECT_NEAR(tree.summed_cost(), expected, 1e-12 * expected);
 }
@@ -202,6 +216,68 @@ TEST(Refit, ScrambledMeshesKeepTheRightHits) {
                 hits += expected.primitive != 0xffffffffu;
             }
             EXPECT_GT(hits, 100) << after.name;
+        }
+    }
+}
+
+/// What `fill_blocks` was given.
+std::vector<uint32_t> slots_of(const Blas& blas) {
+    std::vector<uint32_t> slots;
+    for (const TriangleBlock& block : blas.blocks) slots.insert(slots.end(), block.primitive, std::end(block.primitive));
+    return slots;
+}
+
+/// What a block has to hold of its triangles, a corner at a time.
+void expect_blocks(const Blas& blas, const TestMesh& mesh) {
+    const float nowhere = std::numeric_limits<float>::quiet_NaN();
+    uint32_t not_finite_count = 0;
+    for (const TriangleBlock& block : blas.blocks) {
+        TriangleBlock expected = block;
+        for (uint32_t slot = 0; slot < TriangleBlock::kSize; ++slot) {
+            const uint32_t primitive = block.primitive[slot];
+            const bool is_empty = primitive == kEmptyChild;
+            const Triangle triangle = is_empty ? Triangle{} : mesh.triangle(primitive);
+            const glm::vec3* corners[] = {&triangle.a, &triangle.b, &triangle.c};
+            const bool is_somewhere = !is_empty && is_finite(triangle.a) && is_finite(triangle.b) && is_finite(triangle.c);
+            not_finite_count += !is_empty && !is_somewhere;
+            for (int k = 0; k < 9; ++k) expected.corners[k][slot] = is_somewhere ? (*corners[k / 3])[k % 3] : nowhere;
+        }
+        ASSERT_EQ(std::memcmp(&block, &expected, sizeof block), 0);
+    }
+    EXPECT_EQ(blas.not_finite_count, not_finite_count);
+}
+
+/// Zeros of either sign, sums that overflow, infinities and NaN, in blocks that are full and in others.
+TEST(Refit, BlocksHoldTheVerticesToTheBit) {
+    const uint64_t seed = 102;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    const float infinity = std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::max();
+    const std::vector<float> gentle = {0.0f, -0.0f, 1e-45f, -1e-40f}, finite = {0.0f, -0.0f, most, -most, 0.9f * most},
+                             all = {-0.0f, most, -most, infinity, -infinity, std::nanf(""), -std::nanf("7")};
+    const TestMesh mesh = random_soup(701, 0.5f, 103);
+    Blas blas;
+    build_blas(mesh.positions, mesh.corners, BlasBuilder::kSweep, &blas);
+    ASSERT_TRUE(std::ranges::any_of(blas.blocks, [](const TriangleBlock& b) { return b.primitive[3] == kEmptyChild; }));
+    for (const std::vector<float>& values : {gentle, finite, all}) {
+        for (const uint32_t one_in : {1u, 3u, 40u}) {
+            TestMesh moved = mesh;
+            for (glm::vec3& p : moved.positions) {
+                for (int axis = 0; axis < 3; ++axis) {
+                    if (rng.below(one_in) == 0) p[axis] = values[rng.below(static_cast<uint32_t>(values.size()))];
+                }
+            }
+            // Empty slots must not take anything over from the first triangle either.
+            for (const bool is_first_broken : {false, true}) {
+                if (is_first_broken) moved.positions[moved.corners[0].y].z = std::nanf("3");
+                refit_blas(moved.positions, moved.corners, &blas);
+                expect_blocks(blas, moved);
+                EXPECT_EQ(validate(blas, moved.positions, moved.corners), "");
+                Blas anew = blas;
+                fill_blocks(slots_of(blas), moved.positions, moved.corners, &anew);
+                EXPECT_TRUE(has_same_bits(blas.blocks, anew.blocks));
+                EXPECT_EQ(blas.not_finite_count, anew.not_finite_count);
+            }
         }
     }
 }
