@@ -94,11 +94,21 @@ inline Float4 probe(const Rows& rows) {
     return 0.0f * rows.x + 0.0f * rows.y + 0.0f * rows.z;
 }
 
-/// Asks for the vertices of a block: they lie anywhere in memory. Without branches, as which slots are empty is hard to
-/// foresee: those ask for the mesh's first triangle.
+/// A triangle's corners; those of the mesh's first one for an empty slot, without a branch: which are empty is hard to
+/// foresee.
+inline const glm::uvec3& corners_of(std::span<const glm::uvec3> corners, uint32_t primitive) {
+    return corners[primitive & -static_cast<uint32_t>(primitive != kEmptyChild)];
+}
+
+/// Asks for what tells a block's vertices.
+inline void prefetch_corners(std::span<const glm::uvec3> corners, const TriangleBlock& block) {
+    for (const uint32_t primitive : block.primitive) __builtin_prefetch(&corners_of(corners, primitive));
+}
+
+/// Asks for the vertices of a block: they lie anywhere in memory.
 inline void prefetch(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, const TriangleBlock& block) {
     for (const uint32_t primitive : block.primitive) {
-        const glm::uvec3& corner = corners[primitive & -static_cast<uint32_t>(primitive != kEmptyChild)];
+        const glm::uvec3& corner = corners_of(corners, primitive);
         __builtin_prefetch(&positions[corner.x]);
         __builtin_prefetch(&positions[corner.z]);
     }

@@ -12,7 +12,10 @@ namespace zoe {
 namespace {
 
 constexpr size_t kGrain = 128;
-constexpr size_t kBlocksAhead = 8, kVerticesAhead = 3, kNodesAhead = 2;  // Asked for, in blocks and nodes.
+
+// What is asked for before its turn, in blocks (each step reads what the one before has asked for) and nodes.
+constexpr size_t kBlocksAhead = 20, kCornersAhead = 12, kVerticesAhead = 6, kNodesAhead = 3;
+constexpr size_t kNearBytes = size_t{1} << 18;  // Corners that stay in a core's caches, where many nodes show their mesh.
 
 using place_detail::Float4, place_detail::Int4, place_detail::SlotBounds;
 
@@ -28,7 +31,7 @@ struct Counts {
 class Refit {
 public:
     Refit(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, Blas* blas)
-        : positions_(positions), corners_(corners), blas_(*blas) {}
+        : positions_(positions), corners_(corners), are_corners_far_(corners.size_bytes() > kNearBytes), blas_(*blas) {}
 
     void fit(size_t index, Counts* counts) const {
         WideNode* node = &blas_.tree.nodes[index];
@@ -91,10 +94,12 @@ private:
     SlotBounds fit_leaf(uint32_t leaf, Counts* counts) const {
         SlotBounds bounds = SlotBounds::none();
         const size_t begin = first_block(leaf), last = blas_.blocks.size() - 1;
+        const auto ahead = [&](size_t k) -> const TriangleBlock& { return blas_.blocks[std::min(k, last)]; };
         for (size_t k = begin; k < begin + block_count(leaf); ++k) {
             // The next leaves' blocks follow.
-            prefetch_all(blas_.blocks[std::min(k + kBlocksAhead, last)]);
-            place_detail::prefetch(positions_, corners_, blas_.blocks[std::min(k + kVerticesAhead, last)]);
+            prefetch_all(ahead(k + kBlocksAhead));
+            if (are_corners_far_) place_detail::prefetch_corners(corners_, ahead(k + kCornersAhead));
+            place_detail::prefetch(positions_, corners_, ahead(k + kVerticesAhead));
             counts->not_finite += place_detail::place_block(positions_, corners_, &blas_.blocks[k], &bounds);
         }
         return bounds;
@@ -121,6 +126,7 @@ private:
 
     std::span<const glm::vec3> positions_;
     std::span<const glm::uvec3> corners_;
+    bool are_corners_far_;
     Blas& blas_;
 };
 
