@@ -9,6 +9,12 @@
 namespace zoe {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
 /// Of light in first pictures: chart `denoise`.
 constexpr int kFirstBounces = 2;
 /// With more samples, what smoothing takes from a still picture is more than the noise that it takes.
@@ -119,17 +125,19 @@ void LiveRenderer::work() {
             on_picture_();
             continue;
         }
+        const Clock::time_point advance_begin = Clock::now();
         if (restarts) advance_if_needed(request);
+        advance_ms_ = ms_since(advance_begin);
         // A film without a sample is one whose pass was left: it is of the right size.
         const bool is_done = film_.sample_count > 0 && (divisor_ > 1 || is_first_film_);
         if (restarts || is_done) start_film(request, restarts);
         shown_ = request;
         is_shown_ = true;
+        const Clock::time_point pass_begin = Clock::now();
         if (!pass(request)) continue;
-        smooth(request);
-        if (is_first_film_) pace_.note(double(film_.width) * film_.height, pass_stats_.trace_ms + smooth_ms_);
-        develop(request);
+        develop(request, smooth(request));
         publish(request);
+        if (is_first_film_) pace_.note(double(film_.width) * film_.height, ms_since(pass_begin));
         on_picture_();
     }
 }
@@ -169,9 +177,8 @@ void LiveRenderer::force_motions(const LiveRequest& request) {
 }
 
 void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
-    divisor_ = is_restart ? pace_.choose_divisor(double(request.width) * request.height,
-                                                 is_new_frame_ ? frame_stats_.frame_ms() : 0.0)
-                          : std::max(1, divisor_ / 2);
+    divisor_ =
+        is_restart ? pace_.choose_divisor(double(request.width) * request.height, advance_ms_) : std::max(1, divisor_ / 2);
     is_first_film_ = is_restart;
     const int width = std::max(1, request.width / divisor_), height = std::max(1, request.height / divisor_);
     if (film_.width == width && film_.height == height) {
@@ -203,22 +210,23 @@ bool LiveRenderer::pass(const LiveRequest& request) {
 }
 
 /// Makes the film to show: of first films with the frames before, of the next ones by neighbours only.
-void LiveRenderer::smooth(const LiveRequest& request) {
-    smoothed_ = film_;
-    smooth_ms_ = 0.0;
+const Film& LiveRenderer::smooth(const LiveRequest& request) {
     if (!is_first_film_ || request.shade != Shade::kPath) denoiser_.forget();
-    if (request.shade != Shade::kPath || film_.sample_count > kMostSmoothedSamples) return;
-    const auto begin = std::chrono::steady_clock::now();
+    if (request.shade != Shade::kPath || film_.sample_count > kMostSmoothedSamples) return film_;
+    smoothed_.width = film_.width;
+    smoothed_.height = film_.height;
+    smoothed_.sample_count = film_.sample_count;
+    smoothed_.sum = film_.sum;
     denoiser_.filter(guides_, {}, &smoothed_);
-    smooth_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    return smoothed_;
 }
 
-void LiveRenderer::develop(const LiveRequest& request) {
+void LiveRenderer::develop(const LiveRequest& request, const Film& film) {
     picture_.width = film_.width;
     picture_.height = film_.height;
-    picture_.rgba = to_rgba8(smoothed_, request.grade);
-    picture_.nodes.clear();
-    for (const uint32_t node : film_.node) picture_.nodes.push_back(NodeId{node});
+    picture_.rgba = to_rgba8(film, request.grade);
+    picture_.nodes.resize(film_.node.size());
+    std::ranges::transform(film_.node, picture_.nodes.begin(), [](uint32_t node) { return NodeId{node}; });
     picture_.time_s = request.time_s;
     picture_.sample_count = film_.sample_count;
     picture_.stats = pass_stats_;

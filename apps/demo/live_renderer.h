@@ -87,8 +87,8 @@ private:
     bool is_frame_shown(const LiveRequest& request) const;
     void start_film(const LiveRequest& request, bool is_restart);
     bool pass(const LiveRequest& request);
-    void smooth(const LiveRequest& request);
-    void develop(const LiveRequest& request);
+    const Film& smooth(const LiveRequest& request);
+    void develop(const LiveRequest& request, const Film& film);
     void publish(const LiveRequest& request);
     void force_motions(const LiveRequest& request);
 
@@ -120,7 +120,7 @@ private:
     View view_;                   ///< Of the last pass.
     int divisor_ = 1;             ///< The film's sides are the picture's, divided by this.
     Pace pace_;
-    double smooth_ms_ = 0.0;     // of the last film that was smoothed
+    double advance_ms_ = 0.0;    ///< What the last frame took before its pixels.
     uint32_t first_number_ = 0;  ///< Of the next frame's random numbers.
     PastFrame past_;
     Guides guides_;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kBudgetMs = 1000.0 / 24.0;  // as films have it
 constexpr double kLeastMs = 12.0;            // for pixels, however long the rest takes
-constexpr double kTooLate = 1.1, kEarly = 0.8;
+constexpr double kTooLate = 1.0, kEarly = 0.9;
 constexpr double kNew = 0.3;  // share of the latest picture in the mean
 constexpr int kMaxDivisor = 12;
 

@@ -145,10 +145,12 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
     return result;
 }
 
-/// What passes a frosted sheet: as its facets would reflect it, mirrored at the sheet, and none of it is lost.
-/// from_light the direction that light comes from, so mirrored.
-Bsdf::Value Bsdf::frosted_unfolded(const glm::vec3& from_light) const {
-    const glm::vec3 light = frame_.to_local(from_light), sum = frame_.viewer + light;
+/// What passes a frosted sheet: as its facets would reflect it, mirrored at the shading normal's plane, and none of it is
+/// lost. So light from behind is that of the opposite normal, as it would be on the sheet's other side.
+Bsdf::Value Bsdf::frosted_unfolded(const glm::vec3& to_light) const {
+    glm::vec3 light = frame_.to_local(to_light);
+    light.z = -light.z;
+    const glm::vec3 sum = frame_.viewer + light;
     const float length = glm::length(sum);
     if (!(light.z > 0.0f) || !(length > 0.0f)) return {};
     const float density = ggx_density(sum / length, alpha_) / (4.0f * frame_.viewer.z);
@@ -161,10 +163,12 @@ Bsdf::Value Bsdf::evaluate(const glm::vec3& to_light) const {
     if (is_black() || (surface_.is_body() && surface_.is_inside)) return {};
     const bool is_above = glm::dot(surface_.ng, to_light) > 0.0f;
     if (!is_above && !surface_.is_frosted()) return {};
-    const glm::vec3 mirrored = mirror(to_light, surface_.ng);
-    Value result = is_above ? evaluate_unfolded(to_light) : frosted_unfolded(mirrored);
+    const auto unfolded = [&](const glm::vec3& light) {
+        return is_above ? evaluate_unfolded(light) : frosted_unfolded(light);
+    };
+    Value result = unfolded(to_light);
     if (surface_.ns == surface_.ng && frame_.z == surface_.ng && coat_frame_.z == surface_.ng) return result;
-    const Value folded = is_above ? evaluate_unfolded(mirrored) : frosted_unfolded(to_light);
+    const Value folded = unfolded(mirror(to_light, surface_.ng));
     result.value += folded.value;
     result.density += folded.density;
     return result;
@@ -189,8 +193,9 @@ std::optional<Bsdf::Sample> Bsdf::sample(const glm::vec2& u, float pick) const {
     } else {
         const Frame& frame = lobe == kCoat ? coat_frame_ : frame_;
         const glm::vec3 half = sample_seen_normal(frame.viewer, lobe == kCoat ? coat_alpha_ : alpha_, u);
-        const glm::vec3 local = 2.0f * glm::dot(frame.viewer, half) * half - frame.viewer;
+        glm::vec3 local = 2.0f * glm::dot(frame.viewer, half) * half - frame.viewer;
         if (!(local.z > 0.0f)) return std::nullopt;
+        if (lobe == kThrough) local.z = -local.z;
         sample.direction = glm::normalize(frame.to_world(local));
     }
     const bool is_under = glm::dot(surface_.ng, sample.direction) < 0.0f;

@@ -70,7 +70,7 @@ private:
     enum Lobe { kDiffuse, kFacets, kCoat, kThrough, kLobeCount };
 
     Value evaluate_unfolded(const glm::vec3& to_light) const;
-    Value frosted_unfolded(const glm::vec3& from_light) const;
+    Value frosted_unfolded(const glm::vec3& to_light) const;
     Sample refract(const glm::vec2& u) const;
     std::optional<Sample> cross_from_inside(const glm::vec2& u, float pick) const;
     float under_layers(float reflected, float also_reflected) const;
@@ -109,10 +109,12 @@ inline glm::vec3 sample_cosine(const glm::vec3& normal, const glm::vec2& u) {
 /// Source     Chiang, Li, Burley. Taming the Shadow Terminator. SIGGRAPH Talks 2019. Deviation: light from all around, which
 ///            draws no such edge, stays whole.
 inline float past_terminator(const Surface& surface, const glm::vec3& to_light) {
-    const float smooth = glm::dot(surface.ns, to_light) * glm::dot(surface.ng, surface.ns);
-    const float share = glm::dot(surface.ng, to_light);
+    // Light from behind, for a frosted sheet, is that of its other side, of which both normals face the other way.
+    const float side = glm::dot(surface.ng, to_light) < 0.0f ? -1.0f : 1.0f;
+    const float smooth = side * glm::dot(surface.ns, to_light) * glm::dot(surface.ng, surface.ns);
+    const float share = side * glm::dot(surface.ng, to_light);
     if (surface.ns == surface.ng || !(smooth > share) || !(smooth > 0.0f)) return 1.0f;
-    const float g = std::max(share / smooth, 0.0f);
+    const float g = share / smooth;
     return g * (1.0f + g - g * g);
 }
 

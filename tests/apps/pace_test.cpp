@@ -30,7 +30,7 @@ TEST(Pace, PicturesAreInTimeAndNotSmallerThanNeedBe) {
         const auto [divisor, changes] = play(full_ms / kPixels, 2.0, 0.0, 1);
         EXPECT_EQ(changes, 0) << full_ms;
         const auto takes_ms = [&](int d) { return 2.0 + full_ms / (d * d); };
-        EXPECT_LE(takes_ms(divisor), 1.1 * kFrameMs) << full_ms;
+        EXPECT_LE(takes_ms(divisor), kFrameMs) << full_ms;
         if (divisor > 1) {
             EXPECT_GT(takes_ms(divisor - 1), 0.75 * kFrameMs) << full_ms;
         }

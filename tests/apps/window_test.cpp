@@ -65,15 +65,16 @@ bool has_xdotool() {
     }
 }
 
-/// Starts the demo's window, paused, sends it input, and saves it with F12. The small scene's two triangles face the camera.
-/// input      commands of xdotool, one a line.
-FloatImage window_after(const TempFolder& folder, const std::string& input) {
+/// Starts the demo's window, sends it input, and saves it with F12. The small scene's two triangles face the camera.
+/// input      commands of xdotool, one a line. start: the same, before them; paused and at time 0, unless told.
+FloatImage window_after(const TempFolder& folder, const std::string& input,
+                        const std::string& start = "xdotool key space\nsleep 0.5\nxdotool key Home\nsleep 0.5\n") {
     // On a loaded machine all takes longer: each picture is waited for, and the last of three counts.
     const std::string script = "set -e\n" + std::string(ZOETROPE_DEMO) +
                                " scene.gltf --size 640x400 --shade motion --spp 1 --screenshot end.png --after 40 &\n"
                                "xdotool search --sync --onlyvisible --name Zoetrope >window.txt\n"
-                               "sleep 1\nxdotool key space\nsleep 0.5\nxdotool key Home\nsleep 0.5\n" +
-                               input +
+                               "sleep 1\n" +
+                               start + input +
                                "for k in 0 1 2; do\n"
                                "  sleep 0.5\n  xdotool key F12\n"
                                "  for wait in $(seq 100); do [ -e zoetrope_000$k.png ] || sleep 0.1; done\n"
@@ -97,35 +98,69 @@ int count_color(const FloatImage& image, const glm::vec3& color, int x_begin, in
     return count;
 }
 
-TEST(Window, AnswersKeysAndClicks) {
-    if (!has_xvfb() || !has_xdotool()) GTEST_SKIP() << "xvfb-run or xdotool is not installed";
-    constexpr glm::vec3 kOutline(1.0f, 160.0f / 255.0f, 0.0f);
-    const TempFolder plain, clicked, helped;
-    for (const TempFolder* folder : {&plain, &clicked, &helped}) write_small_scene(*folder);
-    const FloatImage before = window_after(plain, "");
-    const int right = 340;  // Left of it is the picture.
-    EXPECT_EQ(count_color(before, kOutline, 0, right), 0);
-    // Where something is seen that is neither sky nor edge: a class's colour with itself all around.
+constexpr glm::vec3 kOutline(1.0f, 160.0f / 255.0f, 0.0f);
+constexpr int kRight = 340;  // Left of it is the picture.
+
+/// A command that moves the mouse to where something is seen that is neither sky nor edge: a class's colour with itself all
+/// around. The lowest such place: there is the triangle that rests.
+std::string move_to_something(const FloatImage& image) {
     const auto color_at = [&](int x, int y) {
-        return &before.values[(size_t{1} * y * before.width + x) * before.channels.size()];
+        return &image.values[(size_t{1} * y * image.width + x) * image.channels.size()];
     };
     const auto is_same = [&](int x, int y, int dx, int dy) {
         return std::equal(color_at(x, y), color_at(x, y) + 3, color_at(x + dx, y + dy));
     };
     const float* const sky = color_at(12, 12);
-    int at_x = 0, at_y = 0;
-    for (int y = 20; y < 340 && at_x == 0; ++y) {
-        for (int x = 20; x < right - 20 && at_x == 0; ++x) {
+    for (int y = 340; y >= 20; --y) {
+        for (int x = 20; x < kRight - 20; ++x) {
             const bool is_inside =
                 is_same(x, y, 8, 0) && is_same(x, y, -8, 0) && is_same(x, y, 0, 8) && is_same(x, y, 0, -8);
-            if (is_inside && !std::equal(sky, sky + 3, color_at(x, y))) at_x = x, at_y = y;
+            if (is_inside && !std::equal(sky, sky + 3, color_at(x, y)))
+                return "xdotool mousemove " + std::to_string(x) + " " + std::to_string(y) + "\nsleep 0.5\n";
         }
     }
-    ASSERT_GT(at_x, 0) << "nothing is seen";
-    const std::string move = "xdotool mousemove " + std::to_string(at_x) + " " + std::to_string(at_y) + "\nsleep 0.5\n";
-    EXPECT_GT(count_color(window_after(clicked, move + "xdotool click 1\n"), kOutline, 0, right), 20)
-        << "the picked node's outline";
+    ADD_FAILURE() << "nothing is seen";
+    return "";
+}
+
+TEST(Window, AnswersKeysAndClicks) {
+    if (!has_xvfb() || !has_xdotool()) GTEST_SKIP() << "xvfb-run or xdotool is not installed";
+    const TempFolder plain, clicked, playing, helped;
+    for (const TempFolder* folder : {&plain, &clicked, &playing, &helped}) write_small_scene(*folder);
+    const FloatImage before = window_after(plain, "");
+    EXPECT_EQ(count_color(before, kOutline, 0, kRight), 0);
+    const std::string click = move_to_something(before) + "xdotool click 1\n";
+    EXPECT_GT(count_color(window_after(clicked, click), kOutline, 0, kRight), 20) << "the picked node's outline";
+    EXPECT_GT(count_color(window_after(playing, click + "sleep 1\nxdotool key space\n", ""), kOutline, 0, kRight), 20)
+        << "the same, while it plays";
     EXPECT_NE(window_after(helped, "xdotool key F1\n").values, before.values) << "the keys";
+}
+
+TEST(Window, StepsByFramesAndTakesAnotherSize) {
+    if (!has_xvfb() || !has_xdotool()) GTEST_SKIP() << "xvfb-run or xdotool is not installed";
+    const TempFolder plain, stepped, back;
+    for (const TempFolder* folder : {&plain, &stepped, &back}) write_small_scene(*folder);
+    const std::string steps = "for k in 1 2 3 4 5 6; do xdotool key Right; sleep 0.2; done\n";
+    const FloatImage first = window_after(plain, ""), later = window_after(stepped, steps);
+    const FloatImage again = window_after(back, steps + "for k in 1 2 3 4 5 6; do xdotool key Left; sleep 0.2; done\n");
+    const auto is_same_picture = [](const FloatImage& a, const FloatImage& b) {
+        for (int y = 0; y < a.height; ++y) {
+            const size_t row = size_t{1} * y * a.width * a.channels.size();
+            const auto begin = a.values.begin() + static_cast<ptrdiff_t>(row);
+            if (!std::equal(begin, begin + static_cast<ptrdiff_t>(kRight * a.channels.size()),
+                            b.values.begin() + static_cast<ptrdiff_t>(row)))
+                return false;
+        }
+        return true;
+    };
+    EXPECT_FALSE(is_same_picture(first, later)) << "six frames on";
+    EXPECT_TRUE(is_same_picture(first, again)) << "six frames on and back";
+
+    const TempFolder resized;
+    write_small_scene(resized);
+    const FloatImage small = window_after(resized, "xdotool windowsize $(head -n 1 window.txt) 560 360\n");
+    EXPECT_EQ(small.width, 560);
+    EXPECT_EQ(small.height, 360);
 }
 
 TEST(Window, DisplayThatCannotBeOpenedMeansHeadless) {

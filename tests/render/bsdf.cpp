@@ -270,6 +270,20 @@ TEST(Bsdf, FrostedSheetsScatterWhatPassesAroundTheStraightWay) {
         EXPECT_NEAR(integral, found, 0.03) << "round " << round;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(shows[c], sampled[c], 0.03) << "round " << round;
     }
+    // Straight on, whichever way the shading normal leans.
+    for (const float lean : {-0.4f, -0.2f, 0.0f, 0.2f, 0.4f}) {
+        Surface sheet = white(0.0f, 0.25f);
+        sheet.transmission = 1.0f;
+        sheet.ns = sheet.coat_ns = glm::normalize(glm::vec3(lean, 0.1f, 1.0f));
+        const glm::vec3 viewer = at_cosine(0.9f);
+        const Bsdf bsdf(sheet, viewer);
+        glm::vec3 mean(0.0f);
+        for (uint32_t i = 0; i < 4096; ++i) {
+            const auto sample = bsdf.sample(uniform_2d({4, i}, 0), uniform_1d({4, i}, 1));
+            if (sample && sample->direction.z < 0.0f) mean += sample->direction * sample->weight.r;
+        }
+        EXPECT_GT(glm::dot(glm::normalize(mean), -viewer), 0.998f) << lean;
+    }
     // The rougher, the wider.
     double last = 0.0;
     for (const float roughness : {0.15f, 0.3f, 0.5f, 0.8f}) {
@@ -312,6 +326,12 @@ TEST(Bsdf, LightFadesSteadilyTowardsATrianglesOwnHorizon) {
             last = left;
         }
         EXPECT_NEAR(last, 1.0f, 1e-5f);
+        // Light from behind fades as it does on the other side.
+        Surface back = surface;
+        back.ng = -back.ng;
+        back.ns = -back.ns;
+        const glm::vec3 light = random_direction(rng);
+        EXPECT_EQ(past_terminator(surface, light), past_terminator(back, light));
     }
 }
 

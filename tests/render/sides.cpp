@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -34,6 +35,35 @@ TEST(Sides, TheBackOfASingleSidedSurfaceIsNotSeenButThatOfADoubleSidedOneIs) {
             }
         }
     }
+}
+
+/// A ball of frosted glass, a thin sheet, looks as smooth as its normals: of few triangles as of many.
+TEST(Sides, FrostedBallsOfFewTrianglesLookAsThoseOfMany) {
+    const auto ball = [](int levels, uint32_t first_number) {
+        Scene scene;
+        Material frosted = make_diffuse();
+        frosted.specular = 1.0f;
+        frosted.roughness = 0.6f;
+        frosted.transmission = 0.9f;
+        add_node(scene, make_sphere(levels, scene.add(frosted), true));
+        RenderConfig config;
+        config.first_number = first_number;
+        return picture(scene, look_at({0, 0.5f, 5}, {0, 0, 0}, 20.0f, 1.0f), config, 24, 24, 256);
+    };
+    const Film many = ball(5, 0);
+    const auto difference = [&](const Film& film) {
+        double squares = 0.0;
+        for (size_t k = 0; k < film.sum.size(); ++k) {
+            const auto whole = static_cast<float>(film.sample_count);
+            if (film.sum[k].a < whole || many.sum[k].a < whole) continue;  // the outline
+            const double apart = static_cast<double>(film.sum[k].g - many.sum[k].g);
+            squares += apart * apart;
+        }
+        return std::sqrt(squares);
+    };
+    const double noise = difference(ball(5, 1 << 12));
+    EXPECT_LT(difference(ball(2, 1 << 12)), 1.15 * noise);
+    EXPECT_LT(difference(ball(3, 1 << 12)), 1.15 * noise);
 }
 
 TEST(Sides, TheMaterialThatGltfGivesWhereNoneIsNamedIsSingleSided) {
