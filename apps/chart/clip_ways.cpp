@@ -42,7 +42,7 @@ double by_sensor(const ClipTrees& trees, double threshold) {
     for (size_t frame = 1; frame < trees.frame_count(); ++frame) {
         work += trees.refit_work;
         note_refit(trees.readings[built][frame - built], &watch);
-        add_loss(trees.rays, &watch);
+        add_loss(trees.rays, threshold * trees.build_work, &watch);
         choose_rebuilds(config, watches, &chosen);
         if (!chosen.empty()) {
             built = frame;

@@ -19,9 +19,12 @@ constexpr double kJump = 2.0;  // What the cost beside a new tree's is multiplie
 // Whether a tree has lost what its rebuild costs, and as much more as it has to while that is dear beside all other work.
 bool is_due(double share, double build_work, const TreeWatch& watch) {
     if (!(watch.lost_work > 0.0)) return false;
-    if (watch.coming_work >= build_work && build_work <= watch.needed_work + watch.lost_work) return true;
+    const double by_jump = watch.lost_work - watch.frame_loss + watch.coming_work;  // Until the next one.
+    const double since_build = watch.needed_work + watch.lost_work;
+    const bool is_held = watch.coming_work > 0.0 && by_jump >= build_work;
+    if (is_held && build_work <= since_build + watch.spare_work) return true;
     if (watch.lost_work < build_work) return false;
-    const bool is_cheap = build_work <= share * (watch.needed_work + watch.lost_work);
+    const bool is_cheap = build_work <= share * since_build;
     return is_cheap || watch.frame_loss >= build_work || watch.lost_work >= build_work + watch.needed_work;
 }
 
@@ -58,15 +61,24 @@ TreeReading read_tree(const Blas& blas) {
 }
 
 void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* watch) {
+    // Hindsight has lost `least` or rebuilt, too; what a first build takes, nobody chose.
+    const double least = std::min(watch->lost_work, watch->build_work);
+    const double done = watch->needed_work + (watch->lost_work - watch->frame_loss) + watch->build_work;
+    const double spare = watch->spare_work + 2.0 * (watch->needed_work + least) - done;
     *watch = {.triangle_count = triangle_count,
               .built = built,
               .new_cost = built.cost,
               .held = watch->held,
-              .since_jump = watch->since_jump};
+              .since_jump = watch->since_jump,
+              .build_work = watch->build_work,
+              .spare_work = std::max(0.0, spare),
+              .open_work = watch->build_work - least,
+              .open_loss = watch->frame_loss};
 }
 
 void note_refit(const TreeReading& refitted, TreeWatch* watch) {
     const TreeReading& built = watch->built;
+    if (refitted.cost != built.cost) watch->open_work = 0.0;
     const bool is_smaller = refitted.triangle_area < built.triangle_area;
     const double of_root = std::min(built.cost, 1.0), of_rest = built.cost - of_root;
     const double new_cost = of_root + (is_smaller ? of_rest * refitted.triangle_area / built.triangle_area : of_rest);
@@ -81,7 +93,11 @@ void note_refit(const TreeReading& refitted, TreeWatch* watch) {
     watch->growth = growth;
 }
 
-void add_loss(double rays, TreeWatch* watch) {
+void add_loss(double rays, double build_work, TreeWatch* watch) {
+    const double lost_in_hindsight = std::min(watch->open_work, watch->open_loss);
+    watch->open_work -= lost_in_hindsight;
+    watch->spare_work += 2.0 * lost_in_hindsight;
+    watch->build_work = build_work;
     watch->frame_loss = rays * watch->ray_loss;
     watch->lost_work += watch->frame_loss;
     watch->needed_work += rays * watch->new_cost;

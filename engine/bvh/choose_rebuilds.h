@@ -33,6 +33,10 @@ struct TreeWatch {
     double growth = 1.0;       ///< The tree's cost beside new_cost.
     uint64_t held = 0;         ///< Frames between the last two jumps: poses that doubled the growth. 0: not yet two.
     uint64_t since_jump = 0;   ///< One more than the frames that were added since the last one; 0: none yet.
+    double build_work = 0.0;   ///< Of this tree.
+    double spare_work = 0.0;   ///< By which twice hindsight was more than what was done, up to the last build; at least.
+    double open_work = 0.0;    ///< What hindsight will have lost on top, while the pose of the last build is held ...
+    double open_loss = 0.0;    ///< ... a frame.
 };
 
 /// Begins anew after a build. What is known of jumps stays.
@@ -45,13 +49,16 @@ void note_refit(const TreeReading& refitted, TreeWatch* watch);
 
 /// Adds what a frame's rays lose.
 /// rays       that enter the tree; need not be whole.
-void add_loss(double rays, TreeWatch* watch);
+/// build_work what its rebuild takes: RebuildConfig::triangle_work a triangle.
+void add_loss(double rays, double build_work, TreeWatch* watch);
 
 /// Chooses the trees to be rebuilt before a frame is traced: those that will have lost what a rebuild takes. While that is
 /// more than `share` of all work since the last build, the rebuild waits, for the clip may end or turn back: until the loss
 /// is a rebuild's work and what the rays needed anyway. A tree that is bad at once is rebuilt before it has lost anything.
-/// So is one that a jump made bad, where poses are held: if this one were held for as long as the last, it would lose a
-/// rebuild's work. Only while a rebuild is at most all work since the last build: then twice hindsight holds, too.
+/// So is one that a jump made bad, where poses are held: if this one is held for as long as the last, the tree will have
+/// lost a rebuild's work. Only while a rebuild is at most all work since the last build, and what was spare before: then
+/// twice hindsight holds, too. For hindsight has a tree no newer at the last build, so that it loses as much or rebuilds; of
+/// a pose that is still held, it also loses on where the new tree no longer does.
 ///
 /// Where newer trees are never worse than older ones, and new trees never better than estimated, rays, refits and rebuilds
 /// take at most twice what the best choice in hindsight would: until then that one has lost as much, or rebuilt. Waiting
@@ -62,11 +69,11 @@ void add_loss(double rays, TreeWatch* watch);
 /// Optimal On-Line Algorithm for Metrical Task System. JACM 1992); this one is within four.
 ///
 /// Tried, and no better: losses extrapolated by their trend; rebuilding as soon as a half or a quarter of a rebuild's work
-/// is lost where the cost has doubled (jumps gain, waves lose up to twice as much). Without the condition on jumps, a mesh
-/// whose triangles change places again and again takes 1.00 instead of 1.21 times the better of refits and rebuilds, but two
-/// poses in turns more than four times hindsight. Rebuilding the worst subtrees only, of a half down to a 32nd of the tree,
-/// each with an account of its own and what it loses known exactly: 1.052 times hindsight in the mean of clips and numbers
-/// of rays, and 1.053 without.
+/// is lost where the cost has doubled (jumps gain, waves lose up to twice as much). Without the condition on jumps, two
+/// poses in turns take more than four times hindsight; without what is spare, a mesh whose triangles change places again and
+/// again takes up to 1.25 times the better of refits and rebuilds, and 1.00 with it. Rebuilding the worst subtrees only, of
+/// a half down to a 32nd of the tree, each with an account of its own and what it loses known exactly: 1.052 times hindsight
+/// in the mean of clips and numbers of rays, and 1.053 without.
 ///
 /// A frame rebuilds all trees whose rebuild pays within it, and of the others so many as `most_share` allows, those first
 /// that lost most for their size. What is left loses on, and its turn comes.

@@ -141,7 +141,8 @@ void rebuild_worn(const Scene& scene, FrameState* state, FrameStats* stats) {
     work.watches.clear();
     const double frame_rays = state->traced_rays.is_told ? state->traced_rays.mean : scene.rebuild.frame_rays;
     for (Shape* shape : work.refitted) {
-        add_loss(rays_into(*shape, *state, frame_rays), &shape->own->watch);
+        const double build_work = scene.rebuild.triangle_work * shape->blas->triangle_count;
+        add_loss(rays_into(*shape, *state, frame_rays), build_work, &shape->own->watch);
         work.watches.push_back(&shape->own->watch);
     }
     choose_rebuilds(scene.rebuild, work.watches, &work.worn);

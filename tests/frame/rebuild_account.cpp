@@ -48,7 +48,7 @@ double Account::in_hindsight() const {
     return least[0];
 }
 
-double Account::by_policy() const {
+double Account::by_policy(size_t* last_built) const {
     TreeWatch watch;
     note_build(readings[0][0], triangle_count, &watch);
     const TreeWatch* const watches[] = {&watch};
@@ -58,7 +58,7 @@ double Account::by_policy() const {
     for (size_t frame = 1; frame < frame_count(); ++frame) {
         work += refit_work;
         note_refit(readings[built][frame - built], &watch);
-        add_loss(rays, &watch);
+        add_loss(rays, build_work(), &watch);
         choose_rebuilds({}, watches, &chosen);
         if (!chosen.empty()) {
             built = frame;
@@ -67,6 +67,7 @@ double Account::by_policy() const {
         }
         work += trace_work(built, frame);
     }
+    if (last_built) *last_built = built;
     return work;
 }
 

@@ -31,7 +31,8 @@ struct Account {
     /// The least of all choices of frames to rebuild in.
     double in_hindsight() const;
     /// By what the engine chooses: it refits first, in every frame.
-    double by_policy() const;
+    /// last_built  out, where wanted: the last frame that rebuilds; 0 where none does.
+    double by_policy(size_t* last_built = nullptr) const;
 };
 
 }  // namespace zoe::test

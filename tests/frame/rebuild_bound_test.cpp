@@ -40,6 +40,36 @@ ReadingTable random_ageing(Rng& rng) {
     return readings;
 }
 
+/// Poses that are held, and jumps at which all older trees become worse, mostly at regular times.
+ReadingTable random_jumps(Rng& rng) {
+    std::vector<int> pose_of_frame(2 + rng.below(80), 0);
+    const uint32_t pause = rng.below(3) > 0 ? 3 + rng.below(12) : 0;
+    for (size_t frame = 1; frame < pose_of_frame.size(); ++frame) {
+        const bool is_regular = pause > 0 && frame % pause == 0 && rng.below(8) > 0;
+        const bool is_jump = is_regular || rng.below(pause > 0 ? 40 : 6) == 0;
+        pose_of_frame[frame] = pose_of_frame[frame - 1] + int(is_jump);
+    }
+    const double new_cost = 1.0 + random_size(rng, 1e-4, 3.0), loss = random_size(rng, 0.1, 100.0);
+    const bool is_by_age = rng.below(2) == 0;
+    ReadingTable readings(pose_of_frame.size());
+    for (size_t built = 0; built < readings.size(); ++built) {
+        for (size_t frame = built; frame < readings.size(); ++frame) {
+            const int age = pose_of_frame[frame] - pose_of_frame[built];
+            readings[built].push_back({new_cost + (is_by_age ? 0.2 * std::min(age, 5) : double(age > 0)) * loss, 1.0});
+        }
+    }
+    return readings;
+}
+
+TEST(RebuildBound, WherePosesAreHeldAndJumpItIsTwiceHindsight) {
+    for (uint64_t seed = 1; seed <= 5000; ++seed) {
+        Rng rng(seed);
+        const ReadingTable readings = random_jumps(rng);
+        const Account account{readings, kTriangles, random_size(rng, 1.0, 1e6)};
+        EXPECT_LE(account.by_policy(), 2.0 * account.in_hindsight()) << "seed " << seed;
+    }
+}
+
 /// Of the first frames of a clip alone.
 ReadingTable begin_of(const ReadingTable& readings, size_t frame_count) {
     ReadingTable begin(readings.begin(), readings.begin() + static_cast<std::ptrdiff_t>(frame_count));
@@ -112,6 +142,13 @@ ReadingTable poses(const std::vector<int>& pose_of_frame, double loss) {
     return readings;
 }
 
+/// The last frame that rebuilds; 0 where none does.
+size_t rebuilt_frame(const ReadingTable& readings, double rays) {
+    size_t built = 0;
+    Account{readings, kTriangles, rays}.by_policy(&built);
+    return built;
+}
+
 TEST(RebuildBound, ItIsTwiceWhereTheClipEndsWithTheRebuild) {
     constexpr int kFramesToLose = 50;
     std::vector<int> pose_of_frame(1 + kFramesToLose, 1);
@@ -138,13 +175,19 @@ TEST(RebuildBound, WhereTwoPosesComeInTurnsItIsFourTimesHindsight) {
         EXPECT_LE(account.by_policy(), 4.0 * account.in_hindsight()) << "seed " << seed;
     }
     // The cruellest: the pose changes as soon as there is a tree for it.
-    constexpr int kFramesToLose = 20;
+    constexpr int kFramesToLose = 20, kTurns = 8;
+    const double rays = RebuildConfig{}.triangle_work * kTriangles / kFramesToLose * (1.0 + 1e-5);
     std::vector<int> pose_of_frame(1, 0);
-    for (int turn = 1; turn <= 8; ++turn) pose_of_frame.insert(pose_of_frame.end(), kFramesToLose, turn % 2);
+    for (int turn = 1; turn <= kTurns; ++turn) {
+        const size_t begin = pose_of_frame.size();
+        do {
+            pose_of_frame.push_back(turn % 2);
+        } while (rebuilt_frame(poses(pose_of_frame, 1.0), rays) < begin);
+    }
     const ReadingTable readings = poses(pose_of_frame, 1.0);
-    Account account{readings, kTriangles};
-    account.rays = account.build_work() / kFramesToLose * (1.0 + 1e-5);
+    const Account account{readings, kTriangles, rays};
     const double ratio = account.by_policy() / account.in_hindsight();
+    printf("two poses in turns: %.3f times the best\n", ratio);
     EXPECT_LE(ratio, 4.0);
     EXPECT_GT(ratio, 3.0);
 }
@@ -177,8 +220,8 @@ Worst play(const Sequence& sequence) {
 }
 
 TEST(RebuildBound, OfRecordedSequencesItIsTwiceHindsight) {
-    // Where all triangles change places just when there is a new tree, no rule that keeps to twice hindsight has 1.1.
-    const std::set<std::string> jumping = {"permuted", "tangled and back"};
+    // Where a mesh jumps just when there is a new tree, no rule that keeps to twice hindsight has 1.1.
+    const std::set<std::string> jumping = {"tangled and back"};
     int better_than_fixed_count = 0;
     for (const Sequence& sequence : deforming_sequences()) {
         const Worst worst = play(sequence);

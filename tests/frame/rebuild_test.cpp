@@ -72,9 +72,9 @@ TEST(Rebuild, AfterAJumpThePoseIsExpectedToBeHeldForAsLongAsTheLast) {
         choose_rebuilds({.triangle_work = 10.0}, watches, &chosen);
         return !chosen.empty();
     };
-    constexpr double kRays = 5.0;
+    constexpr double kRays = 5.0, kBuildWork = 1000.0;
     const auto pass_frames = [](int count, TreeWatch* tree) {
-        for (int k = 0; k < count; ++k) add_loss(kRays, tree);
+        for (int k = 0; k < count; ++k) add_loss(kRays, kBuildWork, tree);
     };
     TreeWatch tree;
     note_build({.cost = 20.0, .triangle_area = 1.0}, 100, &tree);
@@ -95,10 +95,13 @@ TEST(Rebuild, AfterAJumpThePoseIsExpectedToBeHeldForAsLongAsTheLast) {
     pass_frames(1, &tree);
     EXPECT_EQ(tree.held, 18u);
     EXPECT_EQ(tree.coming_work, 18 * kRays * 40.0);
+    tree.spare_work = 0.0;
     EXPECT_TRUE(is_chosen(tree)) << "a rebuild is all work since the last: 8 * 100 that was needed, and 200";
     TreeWatch dear = tree;
     dear.needed_work -= 1.0;
     EXPECT_FALSE(is_chosen(dear));
+    dear.spare_work = 1.0;
+    EXPECT_TRUE(is_chosen(dear)) << "what was spare before";
     pass_frames(13, &tree);
     EXPECT_EQ(tree.coming_work, 5 * kRays * 40.0) << "what is left of it";
     pass_frames(10, &tree);
@@ -106,6 +109,33 @@ TEST(Rebuild, AfterAJumpThePoseIsExpectedToBeHeldForAsLongAsTheLast) {
     note_refit({}, &tree);
     pass_frames(1, &tree);
     EXPECT_EQ(tree.growth, 1.0) << "of no area";
+}
+
+TEST(Rebuild, WhatIsSpareIsTwiceWhatHindsightTakesAtLeastLessWhatWasDone) {
+    constexpr double kBuildWork = 1000.0;
+    TreeWatch tree;
+    note_build({.cost = 20.0, .triangle_area = 1.0}, 100, &tree);
+    EXPECT_EQ(tree.spare_work, 0.0) << "the first tree is everybody's";
+    note_refit({.cost = 60.0, .triangle_area = 1.0}, &tree);
+    for (int frame = 0; frame < 3; ++frame) add_loss(5.0, kBuildWork, &tree);
+    ASSERT_EQ(tree.lost_work, 600.0);
+    note_build({.cost = 20.0, .triangle_area = 1.0}, 100, &tree);
+    EXPECT_EQ(tree.spare_work, 2 * (300 + 600) - (300 + 400 + kBuildWork)) << "in the third frame the new tree is traced";
+    EXPECT_EQ(tree.open_work, 400.0);
+    const double before = tree.spare_work;
+    for (const double lost : {200.0, 400.0, 400.0}) {  // While the pose is held, up to a rebuild's work.
+        add_loss(5.0, kBuildWork, &tree);
+        EXPECT_EQ(tree.spare_work, before + 2 * lost);
+    }
+    TreeWatch moved = tree;
+    moved.open_work = 400.0;
+    note_refit({.cost = 20.0, .triangle_area = 1.0}, &moved);
+    EXPECT_EQ(moved.open_work, 400.0) << "the same pose";
+    note_refit({.cost = 21.0, .triangle_area = 1.0}, &moved);
+    EXPECT_EQ(moved.open_work, 0.0);
+    note_build({.cost = 20.0, .triangle_area = 1.0}, 100, &tree);
+    note_build({.cost = 20.0, .triangle_area = 1.0}, 100, &tree);
+    EXPECT_EQ(tree.spare_work, 0.0) << "never less: nobody chose to rebuild for nothing";
 }
 
 /// However much others lose, each that is due has its turn.
@@ -118,7 +148,7 @@ TEST(Rebuild, ATreeLargerThanAFramesShareHasItsTurn) {
     std::vector<uint32_t> chosen;
     std::vector<int> rebuilt(trees.size(), 0);
     for (int frame = 0; frame < 1000; ++frame) {
-        for (TreeWatch& tree : trees) add_loss(1000.0, &tree);
+        for (TreeWatch& tree : trees) add_loss(1000.0, 1000.0, &tree);
         choose_rebuilds(config, watches, &chosen);
         for (const uint32_t k : chosen) {
             ++rebuilt[k];
@@ -131,31 +161,31 @@ TEST(Rebuild, ATreeLargerThanAFramesShareHasItsTurn) {
 TEST(Rebuild, WhatIsLostIsTheCostAboveThatOfANewTree) {
     TreeWatch tree;
     note_build({.cost = 20.0, .triangle_area = 4.0}, 100, &tree);
-    add_loss(1e6, &tree);
+    add_loss(1e6, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 0.0) << "as it was built";
     EXPECT_EQ(tree.needed_work, 20e6);
     note_refit({.cost = 15.0, .triangle_area = 4.0}, &tree);
-    add_loss(1e6, &tree);
+    add_loss(1e6, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 0.0) << "a tree that is better than it was";
     note_refit({.cost = 21.9, .triangle_area = 5.0}, &tree);
-    add_loss(1e6, &tree);
+    add_loss(1e6, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 0.0) << "not a tenth worse";
     note_refit({.cost = 24.0, .triangle_area = 5.0}, &tree);
-    add_loss(1e3, &tree);
+    add_loss(1e3, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 4e3);
-    add_loss(1e3, &tree);
+    add_loss(1e3, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 8e3) << "a pose that is held";
     EXPECT_EQ(tree.frame_loss, 4e3);
     note_refit({.cost = 15.0, .triangle_area = 1.0}, &tree);
-    add_loss(1e3, &tree);
+    add_loss(1e3, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 17.25e3) << "of triangles a quarter as large, a new tree is expected to cost its root and a "
                                           "quarter of the rest";
     note_build({.cost = 30.0, .triangle_area = 1.0}, 100, &tree);
-    add_loss(1e3, &tree);
+    add_loss(1e3, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 0.0);
     note_build({}, 100, &tree);
     note_refit({.cost = 5.0, .triangle_area = 1.0}, &tree);
-    add_loss(1e3, &tree);
+    add_loss(1e3, 1000.0, &tree);
     EXPECT_EQ(tree.lost_work, 5e3) << "built where it had no area";
 }
 
