@@ -148,7 +148,7 @@ MeshSample sample_mesh(const MeshSubject& subject) {
 
 std::vector<MeasuredTree> measure_trees(const MeshSample& sample, const std::vector<Builder>& builders,
                                         const Settings& settings) {
-    const int rounds = settings.pick(3, 5, 9);
+    const int rounds = settings.pick(3, 5, 5);
     const WorldMesh& mesh = sample.mesh;
     std::vector<OurTree> trees(builders.size());
     std::vector<std::unique_ptr<PeerTree>> peers;

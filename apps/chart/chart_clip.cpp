@@ -55,13 +55,13 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
         double least;
     };
     std::vector<Frame> frames;
-    for (int frame = 0; frame <= kLastFrame; frame += settings.pick(24, 8, 2)) {
+    for (int frame = 0; frame <= kLastFrame; frame += settings.pick(24, 8, 4)) {
         stop_if_interrupted();
         Positions positions = moving.positions(frame);
         Blas own;
         build_blas(positions, moving.corners, BlasBuilder::kSweep, &own);
         std::vector<Ray> rays =
-            make_rays(own.tree.bounds(), settings.pick<size_t>(1000, 4000, 40'000), static_cast<uint64_t>(frame));
+            make_rays(own.tree.bounds(), settings.pick<size_t>(1000, 4000, 20'000), static_cast<uint64_t>(frame));
         const double least = ray_work(own, rays);
         frames.push_back({std::move(positions), std::move(rays), least});
     }
@@ -69,7 +69,8 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
     for (const int pose_count : {1, 2, 4, 8, 16}) {
         std::vector<Positions> poses;
         for (int pose = 0; pose < pose_count; ++pose) poses.push_back(moving.positions(kLastFrame * pose / pose_count));
-        Built built = build(poses, moving.corners, settings.pick(1, 3, 5));
+        // Those over many poses are dear, and scatter little.
+        Built built = build(poses, moving.corners, settings.pick(1, 3, pose_count < 8 ? 3 : 2));
         double sum = 0.0, worst = 0.0, best = std::numeric_limits<double>::infinity();
         for (const Frame& frame : frames) {
             refit_blas(frame.positions, moving.corners, &built.blas);

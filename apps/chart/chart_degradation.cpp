@@ -60,7 +60,7 @@ std::vector<Row> measure(const std::string& series, const Settings& settings) {
         parallel_for(0, kBatches, 1, [&](size_t begin, size_t end) {
             for (size_t batch = begin; batch < end; ++batch) {
                 const std::vector<Ray> rays =
-                    make_rays(rebuilt.tree.bounds(), settings.pick<size_t>(300, 2000, 20'000), batch);
+                    make_rays(rebuilt.tree.bounds(), settings.pick<size_t>(300, 2000, 10'000), batch);
                 const double least = ray_work(rebuilt, rays);
                 ratios[batch] = ray_work(refitted, rays) / least;
                 turned_ratios[batch] = ray_work(turned, rays) / least;

@@ -12,8 +12,7 @@
 #include "engine/render/denoise.h"
 #include "engine/render/past_frame.h"
 #include "engine/render/path.h"
-#include "engine/render/tone_map.h"
-#include "engine/scene/srgb.h"
+#include "tests/support/screen_error.h"
 
 namespace zoe::chart {
 namespace {
@@ -28,7 +27,7 @@ constexpr uint32_t kReferenceBegin = 1 << 20;
 /// Frames as the window plays them, and what they would converge to.
 class Frames {
 public:
-    explicit Frames(const Settings& settings) : width_(settings.pick(64, 128, 320)), height_(settings.pick(36, 72, 180)) {}
+    explicit Frames(const Settings& settings) : width_(settings.pick(64, 128, 256)), height_(settings.pick(36, 72, 144)) {}
 
     struct Render {
         std::vector<Film> films;
@@ -67,19 +66,6 @@ private:
     int width_, height_;
 };
 
-double error_between(const Film& a, const Film& b) {
-    double squares = 0.0;
-    for (size_t k = 0; k < a.sum.size(); ++k) {
-        const glm::vec3 x = tone_map(Tone::kNeutral, glm::vec3(a.sum[k]) / static_cast<float>(a.sample_count)),
-                        y = tone_map(Tone::kNeutral, glm::vec3(b.sum[k]) / static_cast<float>(b.sample_count));
-        for (int c = 0; c < 3; ++c) {
-            const double difference = (srgb_byte_from_linear(x[c]) - srgb_byte_from_linear(y[c])) / 255.0;
-            squares += difference * difference;
-        }
-    }
-    return std::sqrt(squares / (3.0 * static_cast<double>(a.sum.size())));
-}
-
 struct Result {
     double seconds, error;  ///< A frame.
 };
@@ -94,7 +80,8 @@ Result judge(const Frames::Render& render, const std::optional<DenoiseConfig>& c
         if (config) denoiser.filter(render.guides[i], *config, &film);
         filter_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         const size_t from_end = render.films.size() - i;
-        if (from_end <= references.size()) result.error += error_between(film, references[references.size() - from_end]);
+        if (from_end <= references.size())
+            result.error += test::screen_error(film, references[references.size() - from_end]);
     }
     result.seconds += filter_seconds / static_cast<double>(render.films.size());
     result.error /= static_cast<double>(references.size());
@@ -135,7 +122,7 @@ std::vector<Row> measure(const Settings& settings) {
     const Frames frames(settings);
     const int reference_count = settings.pick(1, 2, 4);
     const std::vector<Film> references =
-        frames.play(settings.pick(64, 128, 1024), RenderConfig{}.max_bounces, kReferenceBegin, kFrames - reference_count)
+        frames.play(settings.pick(64, 128, 512), RenderConfig{}.max_bounces, kReferenceBegin, kFrames - reference_count)
             .films;
     std::vector<Row> rows;
     for (const int bounces : {1, 2, 4}) {

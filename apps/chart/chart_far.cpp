@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -103,23 +104,29 @@ std::vector<Ray> make_rays(const glm::vec3& place, size_t count) {
     return rays;
 }
 
+using RightHits = std::vector<std::optional<test::OracleHit>>;
+RightHits hits_of(const test::BruteForce& truth, const std::vector<Ray>& rays) {
+    RightHits hits(rays.size());
+    parallel_for(0, rays.size(), 64, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k)
+            hits[k] = truth.closest_hit({.origin = glm::dvec3(rays[k].origin), .direction = glm::dvec3(rays[k].direction)});
+    });
+    return hits;
+}
+
 struct Compared {
     Spread wrong_share, error;
 };
 
 /// Batch by batch.
-Compared compare(const std::vector<Ray>& rays, const std::vector<Hit>& hits, const test::BruteForce& truth) {
+Compared compare(const std::vector<Ray>& rays, const std::vector<Hit>& hits, const RightHits& right_hits) {
     std::vector<int8_t> is_wrong(rays.size());
     std::vector<double> errors(rays.size(), -1.0);
-    parallel_for(0, rays.size(), 64, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) {
-            const glm::dvec3 direction(rays[k].direction);
-            const std::optional<test::OracleHit> right =
-                truth.closest_hit({.origin = glm::dvec3(rays[k].origin), .direction = direction});
-            is_wrong[k] = bool(right) != bool(hits[k]) || (right && right->triangle != hits[k].primitive);
-            if (right && !is_wrong[k]) errors[k] = std::abs(hits[k].t - right->t) * glm::length(direction);
-        }
-    });
+    for (size_t k = 0; k < rays.size(); ++k) {
+        const std::optional<test::OracleHit>& right = right_hits[k];
+        is_wrong[k] = bool(right) != bool(hits[k]) || (right && right->triangle != hits[k].primitive);
+        if (right && !is_wrong[k]) errors[k] = std::abs(hits[k].t - right->t) * glm::length(glm::dvec3(rays[k].direction));
+    }
     std::vector<double> shares, all_errors;
     const size_t size = rays.size() / kBatches;
     for (size_t batch = 0; batch < kBatches; ++batch) {
@@ -150,20 +157,20 @@ std::vector<Row> measure(double distance, const Settings& settings) {
     for (const Placed& placed : kPlaced) {
         stop_if_interrupted();
         const Trs trs = trs_of(placed, distance);
-        const test::BruteForce truth = make_truth(ball, trs, origin_of(placed, trs));
         const glm::vec3 place(glm::dvec3(trs.translation) - origin_of(placed, trs));
-        const std::vector<Ray> rays = make_rays(place, settings.pick<size_t>(500, 5'000, 100'000));
+        const std::vector<Ray> rays = make_rays(place, settings.pick<size_t>(500, 5'000, 40'000));
+        const RightHits right = hits_of(make_truth(ball, trs, origin_of(placed, trs)), rays);
         Scene scene = make_scene(ball, placed, trs);
         const Tlas& tlas = advance(scene, 0.0);
         std::vector<Hit> hits(rays.size());
         closest_hits(tlas, rays, hits);
         // What the engine does with a node that has a matrix.
-        add_rows(placed.series, !placed.is_baked && !placed.is_rebased, distance, compare(rays, hits, truth), &rows);
+        add_rows(placed.series, !placed.is_baked && !placed.is_rebased, distance, compare(rays, hits, right), &rows);
         if (!settings.has_peer || !placed.peer_series) continue;
         EmbreePeer peer({.layout = placed.peer_layout}, thread_count());
         peer.update(scene, tlas);
         peer.closest_hits(rays, RayKind::kDiffuse, hits);
-        add_rows(placed.peer_series, false, distance, compare(rays, hits, truth), &rows);
+        add_rows(placed.peer_series, false, distance, compare(rays, hits, right), &rows);
     }
     return rows;
 }

@@ -72,7 +72,7 @@ struct Floor {
 };
 
 std::vector<Row> measure(const Settings& settings) {
-    const int width = settings.pick(40, 128, 320), height = settings.pick(24, 72, 180);
+    const int width = settings.pick(40, 128, 240), height = settings.pick(24, 72, 135);
     const float aspect = float(width) / float(height);
     const Floor finest(false, aspect), cones(true, aspect);
     const Rendering exact{.series = "always the finest",

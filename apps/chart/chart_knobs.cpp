@@ -54,7 +54,7 @@ void add(const MeshSubject& subject, const std::vector<Knob>& knobs, int rounds,
 std::vector<Row> measure(const std::vector<Knob>& knobs, const Settings& settings) {
     const std::vector<MeshSubject> scenes = subjects(settings);
     std::vector<Sums> sums(knobs.size());
-    for (const MeshSubject& scene : scenes) add(scene, knobs, settings.pick(1, 2, 5), &sums);
+    for (const MeshSubject& scene : scenes) add(scene, knobs, settings.pick(1, 2, 3), &sums);
     const auto scene_count = static_cast<double>(scenes.size());
     std::vector<Row> rows;
     for (size_t k = 0; k < knobs.size(); ++k) {
@@ -81,17 +81,19 @@ std::string caption(const Chart& chart) {
         "over a scene of each motion class.";
     for (const Panel& panel : chart.panels) {
         double least = 1.0;
-        std::string where;
+        std::string where, defaults;
         for (const Series& series : panel.series) {
             for (const Point& point : series.points) {
+                if (point.is_default)
+                    defaults += fmt::format("{}{} {}", defaults.empty() ? "" : ", ", series.name, point.label);
                 if (point.y.median >= least) continue;
                 least = point.y.median;
                 where = fmt::format("{} {}, for {} of the build,", series.name, point.label, short_number(point.x.median));
             }
         }
-        text += where.empty()
-                    ? fmt::format(" {}: no value leaves rays less work.", panel.name)
-                    : fmt::format(" {}: {} would leave rays {} of their work.", panel.name, where, short_number(least));
+        text += where.empty() ? fmt::format(" {} (default: {}): no value leaves rays less work.", panel.name, defaults)
+                              : fmt::format(" {} (default: {}): {} would leave rays {} of their work.", panel.name, defaults,
+                                            where, short_number(least));
     }
     return text;
 }

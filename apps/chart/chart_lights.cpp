@@ -19,18 +19,23 @@ constexpr std::array kMethods = {Method{"both ways", LightSearch::kBoth},
                                  Method{"rays towards lights", LightSearch::kLights},
                                  Method{"bounces alone", LightSearch::kBounces}};
 
-std::vector<Row> measure(const Settings& settings) {
-    const DefaultPicture picture(settings.pick(40, 96, 320), settings.pick(24, 54, 180));
-    std::vector<Rendering> renderings;
-    for (const Method& method : kMethods) {
-        RenderConfig config;
-        const bool is_default = config.search == method.search;
-        config.search = method.search;
-        renderings.push_back({.series = method.series, .render = picture.with(config), .is_default = is_default});
-    }
-    const std::vector<glm::dvec3> reference = render_reference({.series = "", .render = picture.with({})}, picture.width,
-                                                               picture.height, settings.pick(1024, 1024, 16'384));
-    return measure_noise(renderings, picture.width, picture.height, settings.pick(16, 64, 1024), reference, kRmse, "");
+struct Setup {
+    DefaultPicture picture;
+    std::vector<glm::dvec3> reference;
+
+    explicit Setup(const Settings& settings)
+        : picture(settings.pick(40, 96, 160), settings.pick(24, 54, 90)),
+          reference(render_reference({.series = "", .render = picture.with({})}, picture.width, picture.height,
+                                     settings.pick(1024, 1024, 4096))) {}
+};
+
+std::vector<Row> measure(const Method& method, const Setup& setup, const Settings& settings) {
+    RenderConfig config;
+    const bool is_default = config.search == method.search;
+    config.search = method.search;
+    const DefaultPicture& picture = setup.picture;
+    return measure_noise({{.series = method.series, .render = picture.with(config), .is_default = is_default}},
+                         picture.width, picture.height, settings.pick(16, 64, 256), setup.reference, kRmse, "");
 }
 
 std::string caption(const Chart& chart) {
@@ -57,7 +62,14 @@ Chart lights(Sweep& sweep) {
                      .y = {.name = "RMSE", .unit = "radiance", .is_log = true},
                      .is_trade = true}};
     const Settings settings = sweep.settings();
-    sweep.run({{.name = "search", .measure = [=] { return measure(settings); }}}, &chart);
+    const Shared<Setup> setup(settings);
+    std::vector<Step> steps;
+    for (const Method& method : kMethods) {
+        steps.push_back({.name = method.series,
+                         .share = steps.empty() ? 5.0 : 1.0,  // The first makes the reference.
+                         .measure = [=] { return measure(method, setup(), settings); }});
+    }
+    sweep.run(steps, &chart);
     chart.caption = caption(chart);
     return chart;
 }

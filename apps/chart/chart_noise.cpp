@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include "apps/chart/charts.h"
+#include "apps/chart/filmed.h"
 #include "apps/chart/measure.h"
-#include "apps/common/choose_view.h"
-#include "apps/common/open_scene.h"
 #include "engine/render/noise.h"
 
 namespace zoe::chart {
@@ -15,34 +14,26 @@ namespace {
 constexpr const char* kError = "Error of the frame";
 constexpr const char* kWorst = "Error that one block in twenty exceeds";
 constexpr const char* kAsked = "Error: asked for, and there";
+constexpr const char* kUniform = "all the same";
 constexpr double kTime = 1.0;
 constexpr int kLeast[] = {4, 16, 64};
 /// Samples before this one are the tested pictures': the reference has others.
 constexpr int kReferenceBegin = 1 << 20;
 
 struct Setup {
-    Content content = open_scene("rigid-25", 24.0);
-    int width, height;
-    const Take take{
-        .scene = content.scene,
-        .advance = [this](double time_s, FrameStats* stats) -> const Tlas& { return advance(content, time_s, stats); },
-        .view =
-            [this] {
-                return ViewChoice{.camera = camera_nodes(content.scene).front()}.view(content.scene,
-                                                                                      float(width) / float(height));
-            }};
+    Filmed filmed;
     std::vector<double> reference;  // luminance, [height * width]
 
-    explicit Setup(const Settings& settings) : width(settings.pick(40, 96, 320)), height(settings.pick(24, 54, 180)) {
-        reference = luminances(expose({.target = 0.0f}, settings.pick(1024, 4096, 16'384), kReferenceBegin));
+    explicit Setup(const Settings& settings) : filmed(settings.pick(40, 96, 160), settings.pick(24, 54, 90)) {
+        reference = luminances(expose({.target = 0.0f}, settings.pick(1024, 4096, 8192), kReferenceBegin));
     }
 
     Film expose(const NoiseConfig& noise, int most_samples, int first_sample = 0) {
         stop_if_interrupted();
-        Film film(width, height);
+        Film film(filmed.width, filmed.height);
         FrameStats stats;
         NoiseLimit limit;
-        Exposure exposure(take, {.opens_s = kTime}, {}, &film, &stats);
+        Exposure exposure(filmed.take, {.opens_s = kTime}, {}, &film, &stats);
         if (first_sample == 0) {
             limit.expose(noise, most_samples, &exposure, {}, {});
         } else {
@@ -69,6 +60,7 @@ struct Setup {
     Error error_of(const Film& film) const {
         constexpr int kBlockSide = 8;
         const std::vector<double> pixels = luminances(film);
+        const int width = filmed.width, height = filmed.height;
         const int across = (width + kBlockSide - 1) / kBlockSide, down = (height + kBlockSide - 1) / kBlockSide;
         std::vector<double> squares(size_t(across * down)), counts(squares.size());
         double sum = 0.0;
@@ -90,39 +82,44 @@ std::string name_of(int least_samples) {
     return fmt::format("{} samples at least", least_samples);
 }
 
-std::vector<Row> measure(const Settings& settings) {
-    Setup setup(settings);
+void add_rows(const std::string& series, Point point, double worst, std::vector<Row>* rows) {
+    rows->push_back({.panel = kError, .series = series, .point = point});
+    point.y = Spread::exactly(worst);
+    rows->push_back({.panel = kWorst, .series = series, .point = point});
+}
+
+/// Ends where it is better than what is asked for of some.
+std::vector<Row> measure_uniform(Setup& setup, const Settings& settings) {
     std::vector<Row> rows;
-    const int most_samples = settings.pick(256, 512, 4096);
-    for (int count = 4; count <= most_samples; count *= 2) {
+    for (int count = 4; count <= settings.pick(256, 512, 1024); count *= 2) {
         const Setup::Error error = setup.error_of(setup.expose({.target = 0.0f}, count));
-        Point point{.x = Spread::exactly(count), .y = Spread::exactly(error.whole), .label = std::to_string(count)};
-        rows.push_back({.panel = kError, .series = "all the same", .point = point});
-        point.y = Spread::exactly(error.worst);
-        rows.push_back({.panel = kWorst, .series = "all the same", .point = point});
+        add_rows(kUniform, {.x = Spread::exactly(count), .y = Spread::exactly(error.whole), .label = std::to_string(count)},
+                 error.worst, &rows);
     }
-    for (const int least_samples : kLeast) {
-        for (double target = 0.32; target > settings.pick(0.07, 0.03, 0.015); target /= std::sqrt(2.0)) {
-            const NoiseConfig noise{.target = static_cast<float>(target), .least_samples = least_samples};
-            const Film film = setup.expose(noise, most_samples);
-            const Setup::Error error = setup.error_of(film);
-            Point point{.x = Spread::exactly(mean_samples(film)),
-                        .y = Spread::exactly(error.whole),
-                        .label = short_number(target),
-                        .is_default = least_samples == NoiseConfig{}.least_samples};
-            rows.push_back({.panel = kError, .series = name_of(least_samples), .point = point});
-            point.y = Spread::exactly(error.worst);
-            rows.push_back({.panel = kWorst, .series = name_of(least_samples), .point = point});
-            point.x = Spread::exactly(target);
-            rows.push_back({.panel = kAsked, .series = name_of(least_samples), .point = point});
-        }
+    return rows;
+}
+
+std::vector<Row> measure(int least_samples, Setup& setup, const Settings& settings) {
+    std::vector<Row> rows;
+    for (double target = 0.32; target > settings.pick(0.07, 0.03, 0.015); target /= std::sqrt(2.0)) {
+        const NoiseConfig noise{.target = static_cast<float>(target), .least_samples = least_samples};
+        const Film film = setup.expose(noise, settings.pick(256, 512, 4096));
+        const Setup::Error error = setup.error_of(film);
+        Point point{.x = Spread::exactly(mean_samples(film)),
+                    .y = Spread::exactly(error.whole),
+                    .label = short_number(target),
+                    .is_default = least_samples == NoiseConfig{}.least_samples};
+        add_rows(name_of(least_samples), point, error.worst, &rows);
+        point.x = Spread::exactly(target);
+        point.y = Spread::exactly(error.worst);
+        rows.push_back({.panel = kAsked, .series = name_of(least_samples), .point = point});
     }
     return rows;
 }
 
 /// What the same error costs where all pixels get the same, between two points that were measured.
 double uniform_samples(const Panel& panel, double error) {
-    const std::vector<Point>& points = panel.find("all the same")->points;
+    const std::vector<Point>& points = panel.find(kUniform)->points;
     for (size_t k = 1; k < points.size(); ++k) {
         if (points[k].y.median > error) continue;
         const double above = std::log(points[k - 1].y.median), below = std::log(points[k].y.median);
@@ -164,7 +161,15 @@ Chart noise(Sweep& sweep) {
                      .is_trade = true},
                     {.name = kAsked, .x = {.name = "asked for", .unit = "", .is_log = true}, .y = error}};
     const Settings settings = sweep.settings();
-    sweep.run({{.name = "noise", .measure = [=] { return measure(settings); }}}, &chart);
+    const Shared<Setup> setup(settings);
+    // The first makes the reference.
+    std::vector<Step> steps = {
+        {.name = kUniform, .share = 8.0, .measure = [=] { return measure_uniform(setup(), settings); }}};
+    for (const int least_samples : kLeast) {
+        steps.push_back(
+            {.name = name_of(least_samples), .measure = [=] { return measure(least_samples, setup(), settings); }});
+    }
+    sweep.run(steps, &chart);
     chart.caption = caption(chart);
     return chart;
 }

@@ -20,21 +20,26 @@ struct Method {
 constexpr Method kMethods[] = {{"no bounce", 0}, {"1 bounce", 1},  {"2 bounces", 2},
                                {"4 bounces", 4}, {"8 bounces", 8}, {"4 bounces, random", 4, false}};
 
-std::vector<Row> measure(const Settings& settings) {
-    const DefaultPicture picture(settings.pick(40, 96, 320), settings.pick(24, 54, 180));
-    const auto rendering = [&](const char* series, int bounce_count, bool is_spread) {
+struct Setup {
+    DefaultPicture picture;
+    std::vector<glm::dvec3> reference;
+
+    explicit Setup(const Settings& settings)
+        : picture(settings.pick(40, 96, 160), settings.pick(24, 54, 90)),
+          reference(render_reference(rendering({.series = "", .bounce_count = kReferenceBounces}), picture.width,
+                                     picture.height, settings.pick(1024, 2048, 4096))) {}
+
+    Rendering rendering(const Method& method) const {
         RenderConfig config;
-        const bool is_default = is_spread && bounce_count == config.max_bounces;
-        config.max_bounces = bounce_count;
-        return Rendering{series, picture.with(config), is_spread, is_default};
-    };
-    const std::vector<glm::dvec3> reference = render_reference(rendering("", kReferenceBounces, true), picture.width,
-                                                               picture.height, settings.pick(1024, 2048, 16'384));
-    std::vector<Rendering> renderings;
-    for (const Method& method : kMethods)
-        renderings.push_back(rendering(method.series, method.bounce_count, method.is_spread));
-    return measure_noise(renderings, picture.width, picture.height, settings.pick(16, 64, 1024), reference, kRmse,
-                         kRelative);
+        const bool is_default = method.is_spread && method.bounce_count == config.max_bounces;
+        config.max_bounces = method.bounce_count;
+        return {method.series, picture.with(config), method.is_spread, is_default};
+    }
+};
+
+std::vector<Row> measure(const Method& method, const Setup& setup, const Settings& settings) {
+    return measure_noise({setup.rendering(method)}, setup.picture.width, setup.picture.height, settings.pick(16, 64, 256),
+                         setup.reference, kRmse, kRelative);
 }
 
 std::string caption(const Chart& chart) {
@@ -62,7 +67,14 @@ Chart picture(Sweep& sweep) {
     chart.panels = {{.name = kRmse, .x = time, .y = {.name = "RMSE", .unit = "radiance", .is_log = true}, .is_trade = true},
                     {.name = kRelative, .x = time, .y = {.name = "relMSE", .unit = "", .is_log = true}, .is_trade = true}};
     const Settings settings = sweep.settings();
-    sweep.run({{.name = "bounces", .measure = [=] { return measure(settings); }}}, &chart);
+    const Shared<Setup> setup(settings);
+    std::vector<Step> steps;
+    for (const Method& method : kMethods) {
+        steps.push_back({.name = method.series,
+                         .share = steps.empty() ? 6.0 : 1.0,  // The first makes the reference.
+                         .measure = [=] { return measure(method, setup(), settings); }});
+    }
+    sweep.run(steps, &chart);
     chart.caption = caption(chart);
     return chart;
 }

@@ -91,7 +91,7 @@ private:
 };
 
 std::vector<Row> measure(const std::string& scene, const Settings& settings) {
-    const int frame_count = settings.pick(2, 6, 12), side = settings.pick(16, 128, 512);
+    const int frame_count = settings.pick(2, 6, 12), side = settings.pick(16, 128, 384);
     std::vector<std::unique_ptr<Play>> plays;
     for (const Way& way : ways()) plays.push_back(std::make_unique<Play>(scene, way, PictureSize{side, side}, frame_count));
     for (int frame = 0; frame <= frame_count; ++frame) {

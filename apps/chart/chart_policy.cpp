@@ -133,7 +133,7 @@ Chart policy(Sweep& sweep) {
     for (const std::string motion : moving_names()) {
         chart.panels.push_back({.name = motion,
                                 .x = {.name = "lost before a rebuild, in rebuilds", .unit = "", .is_log = true},
-                                .y = {.name = "work of the clip, beside hindsight", .unit = ""}});
+                                .y = {.name = "work, beside hindsight", .unit = ""}});
         steps.push_back({.name = motion, .measure = [=, &sweep] { return measure(motion, sweep.settings()); }});
     }
     chart.panels.push_back({.name = kPrice,

@@ -5,10 +5,8 @@
 #include <fmt/format.h>
 
 #include "apps/chart/charts.h"
+#include "apps/chart/filmed.h"
 #include "apps/chart/measure.h"
-#include "apps/common/choose_view.h"
-#include "apps/common/open_scene.h"
-#include "engine/render/shutter.h"
 
 namespace zoe::chart {
 namespace {
@@ -21,31 +19,16 @@ constexpr uint32_t kSlices[] = {1, 4, 16, 64};
 /// Samples of this many slices are a picture that counts as exact.
 constexpr uint32_t kReferenceSlices = 512;
 
-struct Setup {
-    Content content = open_scene("rigid-25", 24.0);
-    int width, height;
-    const Take take{
-        .scene = content.scene,
-        .advance = [this](double time_s, FrameStats* stats) -> const Tlas& { return advance(content, time_s, stats); },
-        .view =
-            [this] {
-                return ViewChoice{.camera = camera_nodes(content.scene).front()}.view(content.scene,
-                                                                                      float(width) / float(height));
-            }};
-
-    explicit Setup(const Settings& settings) : width(settings.pick(40, 96, 320)), height(settings.pick(24, 54, 180)) {}
-};
-
 /// Linear radiance, [height * width].
-std::vector<glm::dvec3> expose(const Setup& setup, uint32_t slices, uint64_t seed, int sample_count) {
+std::vector<glm::dvec3> expose(const Filmed& filmed, uint32_t slices, uint64_t seed, int sample_count) {
     stop_if_interrupted();
-    Film film(setup.width, setup.height);
+    Film film(filmed.width, filmed.height);
     FrameStats stats;
     // Light itself, but none that bounces: noise that has nothing to do with time would hide what this is about.
     RenderConfig config;
     config.max_bounces = 0;
     const Shutter shutter{.opens_s = kOpens, .open_s = kOpen, .slices = slices, .seed = seed};
-    Exposure exposure(setup.take, shutter, config, &film, &stats);
+    Exposure exposure(filmed.take, shutter, config, &film, &stats);
     exposure.add(sample_count);
     std::vector<glm::dvec3> pixels;
     for (const glm::vec4& sum : film.sum) pixels.push_back(glm::dvec3(sum) / double(film.sample_count));
@@ -62,26 +45,33 @@ std::string name_of(uint32_t slices) {
     return slices == 1 ? "1 slice" : fmt::format("{} slices", slices);
 }
 
-std::vector<Row> measure(const Settings& settings) {
-    const Setup setup(settings);
+struct Setup {
+    Filmed filmed;
+    std::vector<glm::dvec3> reference;
+
+    explicit Setup(const Settings& settings)
+        : filmed(settings.pick(40, 96, 192), settings.pick(24, 54, 108)),
+          reference(expose(filmed, kReferenceSlices, 1'000'000, settings.pick(512, 2048, 4096))) {}
+};
+
+std::vector<Row> measure(uint32_t slices, const Setup& setup, const Settings& settings) {
     const int most_samples = settings.pick(32, 64, 256);
-    const std::vector<glm::dvec3> reference = expose(setup, kReferenceSlices, 1'000'000, settings.pick(512, 2048, 4096));
     std::vector<Row> rows;
-    for (const uint32_t slices : kSlices) {
-        for (int count = 1; count <= most_samples; count *= 2) {
-            std::vector<double> seconds, errors;
-            for (int repeat = 0; repeat < settings.pick(6, 7, 9); ++repeat) {
-                const auto begin = std::chrono::steady_clock::now();
-                const std::vector<glm::dvec3> picture = expose(setup, slices, uint64_t(repeat), count);
-                seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-                errors.push_back(rmse(picture, reference));
-            }
-            Point point{.x = spread_of(seconds), .y = spread_of(errors), .label = std::to_string(count)};
-            point.is_default = slices == Shutter{}.slices;
-            rows.push_back({.panel = kByTime, .series = name_of(slices), .point = point});
-            point.x = Spread::exactly(count);
-            rows.push_back({.panel = kBySamples, .series = name_of(slices), .point = point});
+    for (int count = 1; count <= most_samples; count *= 2) {
+        // Pictures of many samples are dear, and scatter little.
+        const int repeats = count <= 16 ? settings.pick(6, 7, 9) : settings.pick(6, 7, 3);
+        std::vector<double> seconds, errors;
+        for (int repeat = 0; repeat < repeats; ++repeat) {
+            const auto begin = std::chrono::steady_clock::now();
+            const std::vector<glm::dvec3> picture = expose(setup.filmed, slices, uint64_t(repeat), count);
+            seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+            errors.push_back(rmse(picture, setup.reference));
         }
+        Point point{.x = spread_of(seconds), .y = spread_of(errors), .label = std::to_string(count)};
+        point.is_default = slices == Shutter{}.slices;
+        rows.push_back({.panel = kByTime, .series = name_of(slices), .point = point});
+        point.x = Spread::exactly(count);
+        rows.push_back({.panel = kBySamples, .series = name_of(slices), .point = point});
     }
     return rows;
 }
@@ -106,7 +96,14 @@ Chart shutter(Sweep& sweep) {
     chart.panels = {{.name = kByTime, .x = {.name = "time", .unit = "s", .is_log = true}, .y = error, .is_trade = true},
                     {.name = kBySamples, .x = {.name = "samples a pixel", .unit = "", .is_log = true}, .y = error}};
     const Settings settings = sweep.settings();
-    sweep.run({{.name = "slices", .measure = [=] { return measure(settings); }}}, &chart);
+    const Shared<Setup> setup(settings);
+    std::vector<Step> steps;
+    for (const uint32_t slices : kSlices) {
+        steps.push_back({.name = name_of(slices),
+                         .share = steps.empty() ? 3.0 : 1.0,  // The first makes the reference.
+                         .measure = [=] { return measure(slices, setup(), settings); }});
+    }
+    sweep.run(steps, &chart);
     chart.caption = caption(chart);
     return chart;
 }

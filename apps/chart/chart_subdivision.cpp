@@ -134,8 +134,8 @@ std::vector<Row> measure(const Subject& subject, const Settings& settings) {
             return watch.restart_ms() / static_cast<double>(repeats);
         });
     }
-    const std::vector<std::vector<double>> ms = measure_in_turn(works, settings.pick(3, 9, 21));
-    const Truth truth(mesh, settings.pick(5, 6, 7));
+    const std::vector<std::vector<double>> ms = measure_in_turn(works, settings.pick(3, 9, 15));
+    const Truth truth(mesh, settings.pick(5, 6, 6));
     std::vector<Row> rows;
     for (size_t k = 0; k < levels.size(); ++k) {
         stop_if_interrupted();

@@ -53,7 +53,7 @@ struct Player {
 
 std::vector<Row> measure(const std::string& name, const Settings& settings) {
     const ThreadCount before;
-    const int side = settings.pick(32, 128, 512), frame_count = settings.pick(2, 9, 48);
+    const int side = settings.pick(32, 128, 512), frame_count = settings.pick(2, 9, 24);
     const BenchScene scene{.name = name, .scene = name, .frame_count = frame_count, .size = {side, side}, .description = ""};
     std::vector<std::unique_ptr<Player>> players;
     for (const int count : thread_counts()) {

@@ -227,10 +227,10 @@ std::string caption(const Chart& chart, int most, const Settings& settings) {
         return 1e-6 * most * chart.point(kBuild, series, most).y.median;
     };
     std::string text = fmt::format(
-        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: exact clustering up to {} "
-        "instances, beyond them the fast form with radius {}. Over {} instances that takes {} ms, exact clustering {} "
-        "times as long, binned SAH {} times.",
-        config.exact_up_to, config.search_radius, short_number(most), short_number(build_ms(fast)),
+        "Rows: equal copies that move; scattered: copies of sizes 1 to 1,000. Default: {}fast clustering with radius {}. "
+        "Over {} instances that takes {} ms, exact clustering {} times as long, binned SAH {} times.",
+        config.exact_up_to == 0 ? "" : fmt::format("exact clustering up to {} instances, beyond them ", config.exact_up_to),
+        config.search_radius, short_number(most), short_number(build_ms(fast)),
         short_number(build_ms("exact") / build_ms(fast)), short_number(build_ms("binned") / build_ms(fast)));
     for (const Family& family : {kRows, kScattered}) {
         const std::string panel = family.nodes_panel();

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/chart/labels.h"
 #include "apps/chart/layout.h"
 #include "apps/chart/style.h"
 #include "apps/common/program_pipe.h"
@@ -67,23 +68,26 @@ bool has_default(const Panel& panel) {
     return !defaults_of(panel).empty();
 }
 
-/// "0.001", "1,000", "1e7".
-std::string short_tick(double number) {
-    if (number >= 1e6 || number < 1e-3) {
-        const int exponent = static_cast<int>(std::floor(std::log10(number) + 1e-9));
-        return fmt::format("{:.0f}e{}", number / std::pow(10.0, exponent), exponent);
-    }
-    return number >= 1000.0 ? fmt::format("{:.0f},{:03.0f}", std::floor(number / 1000.0), std::fmod(number, 1000.0))
-                            : fmt::format("{:g}", number);
+std::string axis(char letter, const Axis& axis, const Scale& scale) {
+    std::vector<std::string> ticks;
+    for (const Tick& tick : scale.ticks) ticks.push_back(fmt::format("{} {}", quoted(tick.text), tick.at));
+    return fmt::format("{0} logscale {1}\nset {1}label {2}\nset {1}range [{3}:{4}]\nset {1}tics ({5})\n",
+                       axis.is_log ? "set" : "unset", letter, quoted(axis.title()), scale.begin, scale.end,
+                       joined(ticks, ", "));
 }
 
-std::string axis(char letter, const Axis& axis, const Scale& scale) {
-    std::string text = fmt::format("{0} logscale {1}\nset {1}label {2}\nset {1}range [{3}:{4}]\n",
-                                   axis.is_log ? "set" : "unset", letter, quoted(axis.title()), scale.begin, scale.end);
-    if (!axis.is_log) return text + fmt::format("set {}tics {}\n", letter, axis.is_whole ? "1" : "autofreq");
-    std::vector<std::string> ticks;
-    for (const double tick : scale.ticks) ticks.push_back(fmt::format("{} {}", quoted(short_tick(tick)), tick));
-    return text + fmt::format("set {}tics ({})\n", letter, joined(ticks, ", "));
+std::string labels_of(const Panel& panel, const Scale& x, const Scale& y, double width, double height) {
+    std::string text;
+    for (const PlacedLabel& label : place_labels(panel, x, y, width, height)) {
+        if (label.has_line) {
+            text += fmt::format(
+                "set arrow from graph {:.4f},{:.4f} to graph {:.4f},{:.4f} nohead back lw 0.6 lc rgb '#{:06x}'\n",
+                label.line_x[0], label.line_y[0], label.line_x[1], label.line_y[1], label.colour);
+        }
+        text += fmt::format("set label {} at graph {:.4f},{:.4f} center font ',8' tc rgb '#{:06x}'\n", quoted(label.text),
+                            label.x, label.y, label.colour);
+    }
+    return text;
 }
 
 std::string place(const Layout::Box& box) {
@@ -116,17 +120,17 @@ std::string panel_program(const Chart& chart, size_t index, const Layout& layout
             plots.push_back(fmt::format("{} using 1:4 with lines lw 1.5 {} notitle", name, look));
         plots.push_back(fmt::format("{} using 1:4:2:3:5:6 with xyerrorbars pt 0 lw 1 {} notitle", name, look));
         plots.push_back(fmt::format("{} using 1:4 with points pt {} ps 1.3 {} notitle", name, style.shape, look));
-        if (panel.has_labels) {
-            // Above and below in turn, as neighbours' labels are long.
-            plots.push_back(fmt::format("{} using 1:4:7 with labels center offset 0,{} font ',8' tc rgb '#{:06x}' notitle",
-                                        name, k % 2 ? -0.9 : 0.9, style.colour));
-        }
     }
     if (has_default(panel)) plots.push_back(fmt::format("$default{} using 1:4 with points {} notitle", index, kDefaultLook));
     const int tick_font = chart.columns < 3 ? 10 : 8;
     std::string text = fmt::format("\n# {}\nset title {} offset 0,-0.6\n", panel.name, quoted(panel.name));
     text += fmt::format("set tics font ',{}'\n", tick_font);
-    text += axis('x', panel.x, x_scale(panel)) + axis('y', panel.y, y_scale(panel)) + place(layout.panel(index));
+    const Layout::Box box = layout.panel(index);
+    const double width = layout.width_pixels(box), height = layout.height_pixels(box);
+    const double in_ticks = 8.0 / tick_font;
+    const Scale x = x_scale(panel, in_ticks * width), y = y_scale(panel, in_ticks * height);
+    text += axis('x', panel.x, x) + axis('y', panel.y, y) + place(box);
+    if (panel.has_labels) text += labels_of(panel, x, y, width, height);
     return text + "plot " + joined(plots, kNextPlot) + "\n";
 }
 
@@ -179,7 +183,7 @@ std::string gnuplot_program(const Chart& chart) {
     text += labels_program(chart, layout) + "set multiplot\n";
     for (size_t k = 0; k < chart.panels.size(); ++k) {
         text += panel_program(chart, k, layout);
-        if (k == 0) text += "unset label\n";  // they are drawn with every plot
+        text += "unset label\nunset arrow\n";  // they are drawn with every plot
     }
     return text + legend_program(chart, layout) + "unset multiplot\nunset output\n}\n";
 }

@@ -21,6 +21,8 @@ public:
 
     int height() const { return height_; }
     Box panel(size_t index) const;
+    double width_pixels(const Box& box) const { return (box.right - box.left) * kWidth; }
+    double height_pixels(const Box& box) const { return (box.top - box.bottom) * height_; }
     Box legend() const;
     int legend_rows() const { return legend_rows_; }
     const std::vector<std::string>& series() const { return series_; }  ///< All that occur, each once.
@@ -35,14 +37,24 @@ private:
     std::vector<std::string> series_, caption_lines_;
 };
 
+struct Tick {
+    double at;
+    std::string text;
+};
+
 /// What an axis shows.
 struct Scale {
     double begin, end;
-    std::vector<double> ticks;  ///< Of a logarithmic axis; a linear one's are gnuplot's own.
+    bool is_log;
+    std::vector<Tick> ticks;
+
+    /// Where a number stands, from 0 to 1.
+    double share(double number) const;
 };
-/// Around all points of a panel and their spreads, with some room.
-Scale x_scale(const Panel& panel);
-Scale y_scale(const Panel& panel);
+/// Around all points of a panel and their spreads, with some room. Ticks are as many as do not touch.
+/// pixels     that the axis is long where ticks are written in 8 points.
+Scale x_scale(const Panel& panel, double pixels);
+Scale y_scale(const Panel& panel, double pixels);
 
 /// Breaks a text between words into lines of at most `width` characters; longer words stay whole.
 std::vector<std::string> wrap(const std::string& text, size_t width);

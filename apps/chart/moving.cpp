@@ -29,7 +29,7 @@ Moving motion_of_scene(const std::string& series, const std::string& scene) {
 /// A column that is wrung: its top makes two turns by the end.
 Moving twist(const Settings& settings) {
     constexpr float kHeight = 2.0f, kRadius = 0.3f;
-    const int rings = settings.pick(40, 160, 480);
+    const int rings = settings.pick(40, 160, 320);
     std::vector<glm::vec3> path;
     for (int k = 0; k <= rings; ++k) path.push_back({0, kHeight * static_cast<float>(k) / static_cast<float>(rings), 0});
     // Three ridges, or turning would change nothing.
@@ -57,10 +57,10 @@ std::span<const char* const> moving_names() {
 }
 
 Moving make_moving(const std::string& series, const Settings& settings) {
-    if (series == "ripple") return motion_of_scene(series, settings.pick("deforming-30", "deforming-120", "deforming-400"));
+    if (series == "ripple") return motion_of_scene(series, settings.pick("deforming-30", "deforming-120", "deforming-250"));
     if (series == "walk") return motion_of_scene(series, "skinned-1");
     if (series == "explosion")
-        return motion_of_scene(series, settings.pick("arbitrary-1000", "arbitrary-20000", "arbitrary-200000"));
+        return motion_of_scene(series, settings.pick("arbitrary-1000", "arbitrary-20000", "arbitrary-100000"));
     return twist(settings);
 }
 

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,6 +34,22 @@ struct Step {
     std::string name;    ///< Tells it from the chart's others.
     double share = 1.0;  ///< Of the time that the chart takes, about, beside its other steps.
     std::function<std::vector<Row>()> measure;
+};
+
+/// What the steps of a chart share, such as the picture that all are compared with: made by the first that is measured.
+template <typename T>
+class Shared {
+public:
+    explicit Shared(const Settings& settings) : settings_(settings) {}
+
+    T& operator()() const {
+        if (!*made_) made_->emplace(settings_);
+        return **made_;
+    }
+
+private:
+    Settings settings_;
+    std::shared_ptr<std::optional<T>> made_ = std::make_shared<std::optional<T>>();  ///< Steps hold copies.
 };
 
 /// Runs the steps of a chart, and keeps what they measured. What a folder holds from before, of the same program and

@@ -199,19 +199,6 @@ TEST(Layout, EverythingHasItsPlaceInThePicture) {
     EXPECT_TRUE(wrap("", 4).empty());
 }
 
-TEST(Layout, LogarithmicAxesHaveTicks) {
-    Panel panel = small_chart().panels[0];
-    for (const double end : {1.5, 3.0, 1e3, 1e9}) {
-        panel.series = {
-            {.name = "binned", .points = {{.x = Spread::exactly(1.0), .y = {}}, {.x = Spread::exactly(end), .y = {}}}}};
-        const Scale scale = x_scale(panel);
-        EXPECT_LT(scale.begin, 1.0);
-        EXPECT_GT(scale.end, end);
-        EXPECT_GE(scale.ticks.size(), 1u) << end;
-        EXPECT_LE(scale.ticks.size(), 10u) << end;
-    }
-}
-
 TEST(Gnuplot, DrawsAndKeepsTheProgram) {
     if (std::system("gnuplot --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed";
     const TempFolder folder;

@@ -11,10 +11,9 @@
 #include "engine/math/parallel.h"
 #include "engine/math/rng.h"
 #include "engine/render/past_frame.h"
-#include "engine/render/tone_map.h"
-#include "engine/scene/srgb.h"
 #include "tests/render/scenes.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/screen_error.h"
 
 namespace zoe::test {
 namespace {
@@ -48,20 +47,6 @@ Film film_of(const Guides& guides, const glm::vec3& radiance) {
     film.sample_count = 1;
     std::fill(film.sum.begin(), film.sum.end(), glm::vec4(radiance, 1.0f));
     return film;
-}
-
-/// Error as a screen shows it.
-double error_between(const Film& a, const Film& b) {
-    double squares = 0.0;
-    for (size_t k = 0; k < a.sum.size(); ++k) {
-        const glm::vec3 x = tone_map(Tone::kNeutral, glm::vec3(a.sum[k]) / static_cast<float>(a.sample_count)),
-                        y = tone_map(Tone::kNeutral, glm::vec3(b.sum[k]) / static_cast<float>(b.sample_count));
-        for (int c = 0; c < 3; ++c) {
-            const double difference = (srgb_byte_from_linear(x[c]) - srgb_byte_from_linear(y[c])) / 255.0;
-            squares += difference * difference;
-        }
-    }
-    return std::sqrt(squares / (3.0 * static_cast<double>(a.sum.size())));
 }
 
 /// Frames of the default scene, seen by a camera that swings or stands still, each with one sample a pixel.
@@ -117,7 +102,7 @@ TEST(Denoise, ErrorOfFramesInMotionFalls) {
             denoiser.filter(frames.guides, {}, &smooth);
             if (frame != 6 && frame != 9) continue;
             const Film reference = frames.sample(kReferenceSamples, kReferenceBegin, nullptr);
-            const double before = error_between(raw, reference), after = error_between(smooth, reference);
+            const double before = screen_error(raw, reference), after = screen_error(smooth, reference);
             std::printf("%s, frame %d: error %.4f of one sample, %.4f smoothed\n", camera, frame, before, after);
             EXPECT_LT(factor * after, before) << camera << ", frame " << frame;
         }
@@ -135,7 +120,7 @@ TEST(Denoise, StillSceneConverges) {
         frames.advance_to(1.0);
         Film film = frames.sample(1, static_cast<uint32_t>(frame), &frames.guides);
         denoiser.filter(frames.guides, {.most_frames = 1 << 16}, &film);
-        last = error_between(film, reference);
+        last = screen_error(film, reference);
         if (frame == 0) first = last;
     }
     EXPECT_LT(last, 0.5 * first);
