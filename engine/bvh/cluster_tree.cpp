@@ -87,8 +87,9 @@ HWY_EXPORT(sum_up_all);
 
 void ClusterGroup::set(uint32_t lane, const Aabb& box, uint32_t id) {
     for (int axis = 0; axis < 3; ++axis) {
-        max_lo[axis][lane] = std::clamp(box.lo[axis], -kFarthest, kFarthest);
-        min_hi[axis][lane] = std::clamp(box.hi[axis], -kFarthest, kFarthest);
+        const float lo = std::clamp(box.lo[axis], -kFarthest, kFarthest);
+        max_lo[axis][lane] = lo;
+        min_hi[axis][lane] = std::clamp(std::max(box.hi[axis], lo + kSmallest), -kFarthest, kFarthest);
         min_extent[axis][lane] = min_hi[axis][lane] - max_lo[axis][lane];
     }
     min_count[lane] = 1;

@@ -22,14 +22,15 @@ struct alignas(64) ClusterGroup {
     bool is_empty(uint32_t lane) const { return min_id[lane] == kNoId; }
     /// Of a lane that is one cluster.
     uint32_t id(uint32_t lane) const { return static_cast<uint32_t>(min_id[lane]); }
-    /// Places farther than kFarthest count as there, so that no area overflows.
+    /// Places farther than kFarthest count as there, and boxes grow to kSmallest, so that no area overflows, nor comes to a
+    /// number below the smallest normal float, which takes some processors a hundred times as long.
     void set(uint32_t lane, const Aabb& box, uint32_t id);
     /// Makes it the union with another one, of a higher id.
     void extend(uint32_t lane, const ClusterGroup& by, uint32_t by_lane);
     void clear(uint32_t lane);
     void copy(uint32_t lane, const ClusterGroup& from, uint32_t from_lane);
 
-    static constexpr float kFarthest = 1e18f;
+    static constexpr float kFarthest = 1e18f, kSmallest = 0x1p-62f;
 };
 
 /// Clusters in a tree. In level 0 the lanes are clusters, above they are the groups of the level below: lane k % 16 of group

@@ -30,7 +30,7 @@ using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
 
 std::vector<ListedCluster> listed(const Boxes& boxes) {
     std::vector<ListedCluster> list;
-    for (const Aabb& box : boxes) list.push_back({box, uint32_t(list.size())});
+    for (const Aabb& box : boxes) list.push_back({grown(box), uint32_t(list.size())});
     return list;
 }
 

@@ -1,6 +1,7 @@
 #include "tests/bvh/linear_clustering.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <tuple>
 
@@ -19,6 +20,14 @@ float float_half_area(const Aabb& a, const Aabb& b) {
 }
 
 }  // namespace
+
+Aabb grown(Aabb box) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const float lo = std::clamp(box.lo[axis], -1e18f, 1e18f);
+        box.hi[axis] = std::max(box.hi[axis], lo + std::ldexp(1.0f, -62));
+    }
+    return box;
+}
 
 size_t linear_best_partner(std::span<const ListedCluster> list, size_t position) {
     std::tuple<float, uint32_t, uint32_t, uint32_t> best{std::numeric_limits<float>::infinity(), 0u, 0u, 0u};
@@ -49,7 +58,7 @@ Bvh linear_clustering(std::span<const Aabb> boxes) {
     std::vector<uint32_t> made_of_id;  // The last one.
     for (const Aabb& box : boxes) {
         made_of_id.push_back(static_cast<uint32_t>(list.size()));
-        list.push_back({box, static_cast<uint32_t>(list.size())});
+        list.push_back({grown(box), static_cast<uint32_t>(list.size())});
         made.push_back({box});
     }
     size_t a = 0;
@@ -60,9 +69,10 @@ Bvh linear_clustering(std::span<const Aabb> boxes) {
             b = c;
         }
         const ListedCluster &low = list[list[a].id < list[b].id ? a : b], &high = list[list[a].id < list[b].id ? b : a];
-        made.push_back({merge(low.bounds, high.bounds), made_of_id[low.id], made_of_id[high.id]});
+        const uint32_t left = made_of_id[low.id], right = made_of_id[high.id];
+        made.push_back({merge(made[left].bounds, made[right].bounds), left, right});
         made_of_id[low.id] = static_cast<uint32_t>(made.size() - 1);
-        list[a] = {made.back().bounds, low.id, low.box_count + high.box_count};
+        list[a] = {merge(low.bounds, high.bounds), low.id, low.box_count + high.box_count};
         list.erase(list.begin() + static_cast<ptrdiff_t>(b));
         if (b < a) --a;
     }

@@ -14,6 +14,9 @@ struct ListedCluster {
     uint32_t box_count = 1;
 };
 
+/// A box as clustering measures it: of 2^-62 or more along each axis, as far as floats tell.
+Aabb grown(Aabb box);
+
 /// Position of the cluster that makes the least (half area of the union, boxes in it, lower id, higher id) with the one at
 /// `position`, by comparing with every other. Areas are floats, of coordinates up to 1e18.
 size_t linear_best_partner(std::span<const ListedCluster> list, size_t position);
