@@ -8,8 +8,8 @@ namespace zoe {
 /// areas, the union of fewest boxes comes first; of those, that of the lowest box; then the one whose other half has it. So
 /// does whoever tries all pairs, ties included: none of it depends on what was merged before. Leaves hold one primitive.
 /// boxes      [primitive_count] any: one that is empty or not finite counts as empty, and is joined last. Areas are floats,
-///            of coordinates up to 1e18: those beyond count as there; and of boxes of 2e-19 or more: smaller ones count as so
-///            large, from their lower corner, or as flat where a float cannot tell.
+///            of coordinates up to 1e18: those beyond count as there; boxes smaller than 2^-62 count as so large, as far as
+///            floats can tell.
 /// storage    a tree whose memory is reused.
 /// Returns    the only such tree, breadth first, of two halves that with the lowest box first.
 /// Cost       about n log n of boxes that lie side by side (see ClusterIndex), most of it in parallel, and at worst, of such
