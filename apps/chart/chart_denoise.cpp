@@ -9,10 +9,10 @@
 #include "apps/chart/measure.h"
 #include "apps/common/choose_view.h"
 #include "apps/common/open_scene.h"
+#include "apps/common/screen_error.h"
 #include "engine/render/denoise.h"
 #include "engine/render/past_frame.h"
 #include "engine/render/path.h"
-#include "tests/support/screen_error.h"
 
 namespace zoe::chart {
 namespace {
@@ -80,8 +80,7 @@ Result judge(const Frames::Render& render, const std::optional<DenoiseConfig>& c
         if (config) denoiser.filter(render.guides[i], *config, &film);
         filter_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         const size_t from_end = render.films.size() - i;
-        if (from_end <= references.size())
-            result.error += test::screen_error(film, references[references.size() - from_end]);
+        if (from_end <= references.size()) result.error += screen_error(film, references[references.size() - from_end]);
     }
     result.seconds += filter_seconds / static_cast<double>(render.films.size());
     result.error /= static_cast<double>(references.size());

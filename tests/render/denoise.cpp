@@ -7,13 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/common/screen_error.h"
 #include "content/content.h"
 #include "engine/math/parallel.h"
 #include "engine/math/rng.h"
 #include "engine/render/past_frame.h"
 #include "tests/render/scenes.h"
 #include "tests/support/allocation_count.h"
-#include "tests/support/screen_error.h"
 
 namespace zoe::test {
 namespace {

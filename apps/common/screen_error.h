@@ -6,7 +6,7 @@
 #include "engine/render/tone_map.h"
 #include "engine/scene/srgb.h"
 
-namespace zoe::test {
+namespace zoe {
 
 /// How far two pictures are apart as a screen shows them: root mean square over pixels and colours, in shares of white.
 /// Requires   films of the same size, each with a sample or more.
@@ -23,4 +23,4 @@ inline double screen_error(const Film& a, const Film& b) {
     return std::sqrt(squares / (3.0 * static_cast<double>(a.sum.size())));
 }
 
-}  // namespace zoe::test
+}  // namespace zoe
