@@ -117,24 +117,22 @@ std::vector<Row> measure(int least_samples, Setup& setup, const Settings& settin
     return rows;
 }
 
-/// What the same error costs where all pixels get the same, between two points that were measured.
-double uniform_samples(const Panel& panel, double error) {
+/// What the same error costs where all pixels get the same, between two points that were measured, in words.
+std::string uniform_samples(const Panel& panel, double error) {
     const std::vector<Point>& points = panel.find(kUniform)->points;
     for (size_t k = 1; k < points.size(); ++k) {
         if (points[k].y.median > error) continue;
         const double above = std::log(points[k - 1].y.median), below = std::log(points[k].y.median);
         const double share = above > below ? std::clamp((above - std::log(error)) / (above - below), 0.0, 1.0) : 0.0;
-        return points[k - 1].x.median * std::exp2(share);
+        return short_number(points[k - 1].x.median * std::exp2(share));
     }
-    return points.back().x.median;
+    return "more than " + short_number(points.back().x.median);
 }
 
 std::string caption(const Chart& chart) {
     const std::string ours = name_of(NoiseConfig{}.least_samples);
     const auto finest = [&](const char* panel) { return chart.panel(panel).find(ours)->points.back(); };
-    const auto uniform = [&](const char* panel) {
-        return short_number(uniform_samples(chart.panel(panel), finest(panel).y.median));
-    };
+    const auto uniform = [&](const char* panel) { return uniform_samples(chart.panel(panel), finest(panel).y.median); };
     return fmt::format(
         "Relative error of luminance against a picture of many other samples, in the root mean square over the frame, and "
         "over blocks of 8 x 8. Asked for {}, pixels got {} samples in the mean; one block in twenty is more than {} off, "

@@ -31,8 +31,10 @@ std::string tick_text(double number) {
         const int exponent = static_cast<int>(std::floor(std::log10(size) + 1e-9));
         return fmt::format("{}{:g}e{}", sign, size / std::pow(10.0, exponent), exponent);
     }
-    const std::string digits = fmt::format("{:.6g}", size);
-    return sign + (size >= 1000.0 ? digits.substr(0, digits.size() - 3) + ',' + digits.substr(digits.size() - 3) : digits);
+    std::string digits = fmt::format("{:.6g}", size);
+    const size_t whole = std::min(digits.find('.'), digits.size());
+    if (whole > 3) digits.insert(whole - 3, ",");
+    return sign + digits;
 }
 
 using Ticks = std::vector<Tick>;

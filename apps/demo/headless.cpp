@@ -88,15 +88,18 @@ FrameStats make_frame(const Take& take, const Options& options, const Shutter& s
         config.guides = &memory->guides;
         memory->guides.past = &memory->past;
     }
-    const Clock::time_point open_begin = Clock::now();
     if (has_layers) {
         config.layers = &memory->layers;
         memory->layers.past = &memory->past;
         if (memory->past_frame != frame - 1) {
-            const Tlas& before = take.advance((frame - 1) / options.fps, &stats);
+            const Clock::time_point before_begin = Clock::now();
+            FrameStats before_stats;
+            const Tlas& before = take.advance((frame - 1) / options.fps, &before_stats);
             memory->past.keep(before, take.view());
+            run->events.add_stages(before_begin, before_stats, frame - 1);
         }
     }
+    const Clock::time_point open_begin = Clock::now();
     Exposure exposure(take, shutter, config, film, &stats);
     run->events.add_stages(open_begin, stats, frame);
     if (run->stats.threads == 0) run->stats = describe_run(options.scene, take.scene, exposure.tlas());

@@ -2,8 +2,9 @@
 
 namespace zoe {
 
-/// Chooses how large a picture may be so that one is ready in time. It goes by what pictures have taken, and stays at a size
-/// until that is clearly too much, or the next larger one would clearly do.
+/// Chooses how large a picture may be so that one is ready in time. It goes by what pictures have taken: a size that
+/// would take too long is left at once, for a larger one only after several that it would have done for. Another size is a
+/// filter's new beginning.
 class Pace {
 public:
     /// pixel_count   of the picture in full size.
@@ -16,6 +17,7 @@ public:
 
 private:
     int divisor_ = 4;
+    int early_count_ = 0;      // pictures in a row that might have been larger
     double ms_a_pixel_ = 0.0;  // smoothed; 0: unknown
 };
 

@@ -16,13 +16,18 @@ constexpr double kSame = 1.1;
 
 constexpr double kJump = 2.0;  // What the cost beside a new tree's is multiplied by in one refit, where the mesh jumps.
 
+// Jumps, one as long after the other as that after the one before it, from which on more are expected to come: one alone may
+// be that of a pose which comes back.
+constexpr uint32_t kRegular = 2;
+
 // Whether a tree has lost what its rebuild costs, and as much more as it has to while that is dear beside all other work.
 bool is_due(double share, double build_work, const TreeWatch& watch) {
     if (!(watch.lost_work > 0.0)) return false;
     const double by_jump = watch.lost_work - watch.frame_loss + watch.coming_work;  // Until the next one.
     const double since_build = watch.needed_work + watch.lost_work;
     const bool is_held = watch.coming_work > 0.0 && by_jump >= build_work;
-    if (is_held && build_work <= since_build + watch.spare_work) return true;
+    const double spare = watch.regular_jumps >= kRegular ? watch.spare_work : 0.0;
+    if (is_held && build_work <= since_build + spare) return true;
     if (watch.lost_work < build_work) return false;
     const bool is_cheap = build_work <= share * since_build;
     return is_cheap || watch.frame_loss >= build_work || watch.lost_work >= build_work + watch.needed_work;
@@ -70,10 +75,11 @@ void note_build(const TreeReading& built, uint32_t triangle_count, TreeWatch* wa
               .new_cost = built.cost,
               .held = watch->held,
               .since_jump = watch->since_jump,
+              .regular_jumps = watch->regular_jumps,
               .build_work = watch->build_work,
               .spare_work = std::max(0.0, spare),
               .open_work = watch->build_work - least,
-              .open_loss = watch->frame_loss};
+              .open_loss = watch->ray_loss};
 }
 
 void note_refit(const TreeReading& refitted, TreeWatch* watch) {
@@ -87,14 +93,16 @@ void note_refit(const TreeReading& refitted, TreeWatch* watch) {
     watch->new_cost = std::min(refitted.cost, new_cost);
     const double growth = watch->new_cost > 0.0 ? refitted.cost / watch->new_cost : 1.0;
     if (growth > kJump * watch->growth) {
-        watch->held = watch->since_jump > 0 ? watch->since_jump - 1 : 0;
+        const uint64_t held = watch->since_jump > 0 ? watch->since_jump - 1 : 0;
+        watch->regular_jumps = watch->since_jump > 0 && held == watch->held ? watch->regular_jumps + 1 : 0;
+        watch->held = held;
         watch->since_jump = 1;
     }
     watch->growth = growth;
 }
 
 void add_loss(double rays, double build_work, TreeWatch* watch) {
-    const double lost_in_hindsight = std::min(watch->open_work, watch->open_loss);
+    const double lost_in_hindsight = std::min(watch->open_work, rays * watch->open_loss);
     watch->open_work -= lost_in_hindsight;
     watch->spare_work += 2.0 * lost_in_hindsight;
     watch->build_work = build_work;

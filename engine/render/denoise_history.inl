@@ -127,7 +127,8 @@ HWY_INLINE Past find_past(const DenoiseFrame& frame, const Guides& guides, size_
         past.light = add(past.light, scale(light, weight));
         past.mean = hn::Add(past.mean, hn::Mul(weight, places.load(frame.past_moments.mean, beside)));
         past.square = hn::Add(past.square, hn::Mul(weight, places.load(frame.past_moments.square, beside)));
-        past.frames = hn::Add(past.frames, hn::Mul(hn::Mul(weight, frames), hn::Min(left_over, one)));
+        const Floats kept = hn::Mul(hn::Mul(part, frames), hn::Min(left_over, one));
+        past.frames = hn::Add(past.frames, hn::IfThenElseZero(counts, kept));  // -inf where normals are no unit vectors
     }
     const Mask is_found = hn::And(hn::Ge(share, set(kLeastShare)), hn::Gt(past.frames, set(0.0f)));
     const Floats by = hn::IfThenElseZero(is_found, hn::Div(one, share));

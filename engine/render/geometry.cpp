@@ -18,6 +18,7 @@ void record_geometry(const View& view, const Ray& ray, const Hit& hit, size_t pi
 
 void see_geometry(const Scene& scene, const Tlas& tlas, const View& view, Film* film, Layers* layers) {
     constexpr size_t kRowGrain = 8;
+    const RayBatch batch(tlas.watch.get());
     const size_t row = static_cast<size_t>(film->width);
     if (layers != nullptr) layers->start(film->width, film->height);
     parallel_for(0, static_cast<size_t>(film->height), kRowGrain, [&](size_t begin, size_t end) {

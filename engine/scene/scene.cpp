@@ -22,9 +22,21 @@ void fit_materials(std::vector<MaterialRange>& materials, uint32_t triangle_coun
     materials.back().end = triangle_count;
 }
 
-void require_idle(const Scene& scene) {
-    if (scene.traces) scene.traces->require_idle();
-}
+// Keeps rays and frames out for as long as an edit takes.
+class Edit {
+public:
+    explicit Edit(const Scene& scene) : traces_(scene.traces.get()) {
+        if (traces_) traces_->hold();
+    }
+    ~Edit() {
+        if (traces_) traces_->let_go();
+    }
+    Edit(const Edit&) = delete;
+    Edit& operator=(const Edit&) = delete;
+
+private:
+    TraceWatch* traces_;
+};
 
 }  // namespace
 
@@ -54,26 +66,26 @@ void Scene::touch() {
 }
 
 NodeId Scene::add(Node node) {
-    require_idle(*this);
+    const Edit edit(*this);
     nodes.push_back(std::move(node));
     return NodeId(nodes.size() - 1);
 }
 
 MeshId Scene::add(Mesh mesh) {
-    require_idle(*this);
+    const Edit edit(*this);
     meshes.push_back(std::move(mesh));
     return MeshId(meshes.size() - 1);
 }
 
 MaterialId Scene::add(Material material) {
-    require_idle(*this);
+    const Edit edit(*this);
     materials.push_back(std::move(material));
     return MaterialId(materials.size() - 1);
 }
 
 void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                        std::span<const glm::uvec3> corners) {
-    require_idle(*this);
+    const Edit edit(*this);
     const std::string place = fmt::format("mesh {}", index(id));
     if (index(id) >= meshes.size()) throw SceneError(file, place, "there is no such mesh");
     if (!normals.empty() && normals.size() != positions.size()) {
@@ -118,7 +130,7 @@ void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::spa
 }
 
 void Scene::write_cage(MeshId id, std::span<const glm::vec3> positions) {
-    require_idle(*this);
+    const Edit edit(*this);
     const std::string place = fmt::format("mesh {}", index(id));
     if (index(id) >= meshes.size()) throw SceneError(file, place, "there is no such mesh");
     Mesh& mesh = (*this)[id];

@@ -116,11 +116,13 @@ struct Viewpoint {
 };
 
 struct FrameState;  // engine/frame: what `advance` keeps between frames.
+class TraceWatch;   // engine/scene/trace_watch.h
 class TreeCache;    // engine/bvh/cache.h
 
 /// A scene graph: nodes, what they show, and how they move. Plain arrays; ids are positions in them.
 /// NodeId is the glTF node's index for scenes from files; nodes that the reader adds stand after those.
-/// While batches of rays are on their way through its last frame, functions that edit it throw std::logic_error.
+/// While batches of rays are on their way through its last frame, functions that edit it throw std::logic_error. Nobody
+/// watches its end, or that another scene is moved into it: trees end with it.
 class Scene {
 public:
     Scene() = default;
@@ -186,8 +188,8 @@ public:
     void warn(const std::string& text) { ++warnings_[plain_line(text)]; }
     const std::map<std::string, uint64_t>& warnings() const { return warnings_; }
 
-    std::shared_ptr<FrameState> frame;         ///< Made by the first `advance`; opaque here.
-    std::shared_ptr<class TraceWatch> traces;  ///< Made with it: who is at its trees.
+    std::shared_ptr<FrameState> frame;   ///< Made by the first `advance`; opaque here.
+    std::shared_ptr<TraceWatch> traces;  ///< Made with it: who is at its trees.
 
 private:
     std::map<std::string, uint64_t> warnings_;

@@ -16,10 +16,6 @@ constexpr int64_t kHeld = std::numeric_limits<int64_t>::min() / 2;
 
 }  // namespace
 
-void TraceWatch::require_idle() const {
-    if (const int64_t users = users_.load(std::memory_order_acquire); users != 0) refuse(users);
-}
-
 void TraceWatch::hold() {
     int64_t users = 0;
     if (!users_.compare_exchange_strong(users, kHeld, std::memory_order_acq_rel, std::memory_order_acquire)) refuse(users);

@@ -9,10 +9,10 @@ namespace zoe {
 /// Nobody waits, so nobody can wait for himself: who comes second is refused. Any thread may call.
 class TraceWatch {
 public:
-    /// Throws     std::logic_error where rays are on their way, or the trees are held.
-    void require_idle() const;
+    /// Whether, just now, there are no rays and nobody holds the trees.
+    bool is_idle() const { return users_.load(std::memory_order_acquire) == 0; }
     /// Refuses rays from here on.
-    /// Throws     as `require_idle`, with nothing changed.
+    /// Throws     std::logic_error where rays are on their way, or the trees are held; nothing is changed then.
     void hold();
     /// Requires   that the trees are held.
     void let_go();

@@ -45,6 +45,11 @@ TEST(Layout, AxesHaveTicksThatDoNotTouch) {
     std::string texts;
     for (const Tick& tick : x_scale(panel, 210.0).ticks) texts += tick.text + ' ';
     EXPECT_EQ(texts, "0.08 0.09 0.1 0.11 0.12 ");
+    panel.series = {
+        {.name = "binned", .points = {{.x = Spread::exactly(999.6), .y = {}}, {.x = Spread::exactly(1000.4), .y = {}}}}};
+    for (const Tick& tick : x_scale(panel, 210.0).ticks) {
+        EXPECT_TRUE(tick.at < 1000.0 ? tick.text.starts_with("999") : tick.text.starts_with("1,00")) << tick.text;
+    }
 }
 
 /// As they are drawn: 8 points, 6 pixels a character.

@@ -58,7 +58,7 @@ double Account::by_policy(size_t* last_built) const {
     for (size_t frame = 1; frame < frame_count(); ++frame) {
         work += refit_work;
         note_refit(readings[built][frame - built], &watch);
-        add_loss(rays, build_work(), &watch);
+        add_loss(rays_in(frame), build_work(), &watch);
         choose_rebuilds({}, watches, &chosen);
         if (!chosen.empty()) {
             built = frame;

@@ -19,12 +19,14 @@ ReadingTable record_readings(const Sequence& sequence);
 struct Account {
     const ReadingTable& readings;
     uint32_t triangle_count = 0;
-    double rays = 0.0;        ///< That enter the tree in each frame.
-    double refit_work = 0.0;  ///< A frame that does not rebuild.
+    double rays = 0.0;                ///< That enter the tree in each frame.
+    double refit_work = 0.0;          ///< A frame that does not rebuild.
+    std::vector<double> shares = {};  ///< [frame_count] of `rays`, that enter in each frame; empty: all in each.
 
     size_t frame_count() const { return readings.size(); }
     double build_work() const { return RebuildConfig{}.triangle_work * triangle_count; }
-    double trace_work(size_t built, size_t frame) const { return rays * readings[built][frame - built].cost; }
+    double trace_work(size_t built, size_t frame) const { return rays_in(frame) * readings[built][frame - built].cost; }
+    double rays_in(size_t frame) const { return shares.empty() ? rays : shares[frame] * rays; }
 
     double always_refitted() const;
     double always_rebuilt() const;

@@ -65,8 +65,13 @@ TEST(RebuildBound, WherePosesAreHeldAndJumpItIsTwiceHindsight) {
     for (uint64_t seed = 1; seed <= 5000; ++seed) {
         Rng rng(seed);
         const ReadingTable readings = random_jumps(rng);
-        const Account account{readings, kTriangles, random_size(rng, 1.0, 1e6)};
+        Account account{readings, kTriangles, random_size(rng, 1.0, 1e6)};
         EXPECT_LE(account.by_policy(), 2.0 * account.in_hindsight()) << "seed " << seed;
+        // Hidden now and then, or far away.
+        for (size_t frame = 0; frame < readings.size(); ++frame) {
+            account.shares.push_back(rng.below(3) == 0 ? 1.0 : random_size(rng, 1e-7, 1.0));
+        }
+        EXPECT_LE(account.by_policy(), 2.0 * account.in_hindsight()) << "seed " << seed << ", rays that vary";
     }
 }
 
@@ -173,6 +178,19 @@ TEST(RebuildBound, WhereTwoPosesComeInTurnsItIsFourTimesHindsight) {
         const ReadingTable readings = poses(pose_of_frame, random_size(rng, 1e-3, 1e2));
         const Account account{readings, kTriangles, random_size(rng, 1.0, 1e6)};
         EXPECT_LE(account.by_policy(), 4.0 * account.in_hindsight()) << "seed " << seed;
+    }
+    // A pose for a few frames, another one for fewer, on and on: to refit always is best.
+    for (const auto& [first, second] : {std::pair{3, 1}, {6, 2}, {4, 2}, {10, 3}, {20, 3}}) {
+        std::vector<int> pose_of_frame;
+        while (pose_of_frame.size() < 200) {
+            pose_of_frame.insert(pose_of_frame.end(), size_t(first), 0);
+            pose_of_frame.insert(pose_of_frame.end(), size_t(second), 1);
+        }
+        const ReadingTable flashes = poses(pose_of_frame, 1.0);
+        for (double rays = 1.0; rays < 1e6; rays *= 1.1) {
+            const Account account{flashes, kTriangles, rays};
+            ASSERT_LE(account.by_policy(), 4.0 * account.in_hindsight()) << first << " and " << second << ", rays " << rays;
+        }
     }
     // The cruellest: the pose changes as soon as there is a tree for it.
     constexpr int kFramesToLose = 20, kTurns = 8;

@@ -101,6 +101,8 @@ TEST(Rebuild, AfterAJumpThePoseIsExpectedToBeHeldForAsLongAsTheLast) {
     dear.needed_work -= 1.0;
     EXPECT_FALSE(is_chosen(dear));
     dear.spare_work = 1.0;
+    EXPECT_FALSE(is_chosen(dear)) << "jumps that are not regular may be those of two poses";
+    dear.regular_jumps = 2;
     EXPECT_TRUE(is_chosen(dear)) << "what was spare before";
     pass_frames(13, &tree);
     EXPECT_EQ(tree.coming_work, 5 * kRays * 40.0) << "what is left of it";

@@ -124,6 +124,45 @@ TEST(Glow, BothWaysOfFindingALampAgree) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(lamp[c], point[c], 0.01f * point[c]);
 }
 
+// What is kept from one frame to the next is what would be made anew.
+TEST(Glow, FollowsLampsThatChange) {
+    Scene scene;
+    const MaterialId first = scene.add(make_lamp(glm::vec3(1.0f))), second = scene.add(make_lamp(glm::vec3(2.0f)));
+    const NodeId a = add_node(scene, make_floor(1.0f, 0.0f, first)), b = add_node(scene, make_floor(2.0f, 1.0f, second));
+    Glow kept;
+    double time_s = 0.0;
+    const auto expect_fresh = [&](const char* what) {
+        SCOPED_TRACE(what);
+        const Tlas& tlas = advance(scene, time_s += 1.0);
+        Glow fresh;
+        fresh.gather(scene, tlas);
+        kept.gather(scene, tlas);
+        EXPECT_EQ(kept.is_dark(), fresh.is_dark());
+        for (const MaterialId material : {first, second}) EXPECT_EQ(kept.density(material), fresh.density(material));
+        if (fresh.is_dark()) return;
+        for (int k = 0; k < 256; ++k) {
+            const float u = (float(k) + 0.5f) / 256.0f;
+            EXPECT_EQ(kept.sample(u, {0.3f, 0.4f}), fresh.sample(u, {0.3f, 0.4f})) << u;
+        }
+    };
+    expect_fresh("at first");
+    expect_fresh("the same");
+    scene.materials[index(first)].emission = glm::vec3(4.0f);
+    scene[a].local.scale = glm::vec3(0.5f);
+    expect_fresh("brighter and smaller: as much light");
+    scene[b].local.scale = glm::vec3(0.0f);
+    expect_fresh("one is hidden");
+    scene[a].local.scale = glm::vec3(0.0f);
+    expect_fresh("both are hidden");
+    scene[a].local.scale = scene[b].local.scale = glm::vec3(1.0f);
+    expect_fresh("both are back");
+    scene.materials[index(first)].emission = glm::vec3(0.0f);
+    expect_fresh("one is out");
+    Mesh smaller = make_floor(0.5f, 3.0f, second);
+    scene.write_mesh(scene[b].mesh, smaller.positions, {}, std::span(smaller.corners).first(1));
+    expect_fresh("fewer triangles");
+}
+
 TEST(Glow, ALampBehindABlendedPaneShinesThroughIt) {
     for (float alpha : {0.0f, 0.25f, 1.0f}) {
         Scene scene;
