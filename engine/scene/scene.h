@@ -121,8 +121,7 @@ class TreeCache;    // engine/bvh/cache.h
 
 /// A scene graph: nodes, what they show, and how they move. Plain arrays; ids are positions in them.
 /// NodeId is the glTF node's index for scenes from files; nodes that the reader adds stand after those.
-/// While batches of rays are on their way through its last frame, functions that edit it throw std::logic_error. Nobody
-/// watches its end, or that another scene is moved into it: trees end with it.
+/// While rays go through its last frame in batches, functions that edit it throw std::logic_error; its end is not watched.
 class Scene {
 public:
     Scene() = default;
@@ -149,8 +148,7 @@ public:
     AutoConfig tree_build;     ///< How much building all those trees may cost, looked at when the first frame is made.
     ClusterConfig tlas_build;  ///< How the top level is built in the frames from now on that need a new one.
     PlacingConfig placing;     ///< How instances stand in it; looked at where they move.
-    /// Poses of the clips that play, at most, that trees of deforming nodes are first built over: 1 for the first frame's
-    /// alone. Looked at when the first frame is made. Chart `clip`.
+    /// Poses of clips, at most, that the first trees of deforming nodes are built over; 1: this frame's alone. Chart `clip`.
     uint32_t clip_poses = 8;
     RebuildConfig rebuild;  ///< When trees of deforming nodes are rebuilt, and not refitted any more.
 
