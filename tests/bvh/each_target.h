@@ -4,9 +4,11 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "engine/bvh/traverse.h"
+#include "engine/math/simd_targets.h"
+
+#include <hwy/targets.h>
 
 namespace zoe::test {
 
@@ -16,7 +18,7 @@ void on_each_target(Body&& body) {
     std::vector<std::string> seen;
     for (const int64_t target : {HWY_EMU128, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
         hwy::SetSupportedTargetsForTest(0);
-        if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
+        if ((HWY_TARGETS & target) == 0 || (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0)) continue;
         hwy::SetSupportedTargetsForTest(target);
         SCOPED_TRACE(simd_target());
         for (const std::string& other : seen) EXPECT_NE(other, simd_target());

@@ -19,7 +19,7 @@ namespace {
 constexpr double kTimes_s[] = {0.0, 0.6, 3.1};
 
 Content make(const ContentInfo& info) {
-    Content content = make_content(info.name, info.max_size == 0 ? 0 : 12);
+    Content content = make_content(info.name, info.max_size == 0 ? 0 : 3);
     content.scene.tree_build.budget_s = 0.0;  // Quick builds: hits are the same.
     return content;
 }

@@ -23,7 +23,7 @@ int small_size(const ContentInfo& info, int size) {
 
 TEST(ContentList, MakesWholeScenesThatShowSomething) {
     for (const ContentInfo& info : content_list()) {
-        Content content = make_content(info.name, small_size(info, 12));
+        Content content = make_content(info.name, small_size(info, 3));
         EXPECT_EQ(check(content.scene), "") << info.name;
         if (content.write) content.write(content.scene, 0.5);
         EXPECT_FALSE(advance(content.scene, 0.5).instances.empty()) << info.name;
