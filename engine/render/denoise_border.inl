@@ -11,8 +11,6 @@ using Numbers = hn::Vec<NumberTag>;
 using Mask = hn::Mask<FloatTag>;
 
 constexpr uint32_t kSky = 0xffffffffu;
-// The least that light is divided by: what a dielectric reflects whatever its colour.
-constexpr float kLeastAlbedo = 0.04f;
 // Brighter light counts as this bright, so that squares stay finite.
 constexpr float kBrightest = 1e15f;
 // The sky's depth in sums that must stay finite.

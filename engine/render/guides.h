@@ -14,6 +14,10 @@ namespace zoe {
 
 class PastFrame;  // engine/render/past_frame.h
 
+/// The least that light is divided by where a surface's colour is taken out of it: what a dielectric reflects whatever its
+/// colour.
+inline constexpr float kLeastAlbedo = 0.04f;
+
 /// What the first sample of each pixel has met, by which a filter tells light that belongs together: `render` fills it where
 /// it is asked to. All arrays [height * width], top row first.
 struct Guides {

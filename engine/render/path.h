@@ -37,6 +37,7 @@ struct RenderConfig {
     std::optional<glm::vec3> uniform_sky;      ///< Radiance of a sky of one colour, and no sun: a furnace.
     const Environment* environment = nullptr;  ///< Instead of the default sky and sun; outlives the render.
     LightSearch search = LightSearch::kBoth;   ///< Chart `lights`.
+    bool is_lit = true;                        ///< Else pixels show emission, unlit colours and the sky only.
     bool is_jittered = true;                   ///< Else all rays go through pixel centres, as the first sample's always do.
     /// Only the samples that fall into this slice, of those that the call is for; pixels' centres have no sample then, and
     /// the film's geometry stays. The film's count grows with the last slice: all slices are rendered one after another, for

@@ -84,7 +84,7 @@ void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hi
     if (bounce == 0 && path.is_first && pass_->guides != nullptr) {
         pass_->guides->see_surface(path.pixel, pass_->tlas, pass_->view, hit, surface, path.radiance);
     }
-    if (surface.is_unlit) return;
+    if (surface.is_unlit || !pass_->config.is_lit) return;
     const Bsdf bsdf(surface, -ray.direction);
     if (bsdf.is_black()) return;
     add_sun(surface, bsdf, path_index, bounce);
