@@ -35,6 +35,16 @@ void outline(NodeId node, LivePicture* picture) {
     }
 }
 
+/// A film without samples, for a picture whose sides are divided.
+void start(const LiveRequest& request, int divisor, Film* film) {
+    const int width = std::max(1, request.width / divisor), height = std::max(1, request.height / divisor);
+    if (film->width == width && film->height == height) {
+        film->clear();
+    } else {
+        *film = Film(width, height);
+    }
+}
+
 ViewChoice view_choice(const LiveRequest& request) {
     ViewChoice choice;
     choice.camera = request.camera;
@@ -135,9 +145,16 @@ void LiveRenderer::work() {
         is_shown_ = true;
         const Clock::time_point pass_begin = Clock::now();
         if (!pass(request)) continue;
-        develop(request, smooth(request));
+        const Film* shown = &smooth(request);
+        const double light_ms = ms_since(pass_begin);
+        if (has_surfaces(request)) {
+            if (!see_surfaces(request)) continue;
+            upsampler_.light(guides_, *shown, surface_guides_, &surfaces_);
+            shown = &surfaces_;
+        }
+        develop(request, *shown);
         publish(request);
-        if (is_first_film_) pace_.note(double(film_.width) * film_.height, ms_since(pass_begin));
+        if (is_first_film_) note_pace(request, light_ms, ms_since(pass_begin));
         on_picture_();
     }
 }
@@ -177,36 +194,74 @@ void LiveRenderer::force_motions(const LiveRequest& request) {
 }
 
 void LiveRenderer::start_film(const LiveRequest& request, bool is_restart) {
-    divisor_ =
-        is_restart ? pace_.choose_divisor(double(request.width) * request.height, advance_ms_) : std::max(1, divisor_ / 2);
+    divisor_ = std::max(1, divisor_ / 2);
     is_first_film_ = is_restart;
-    const int width = std::max(1, request.width / divisor_), height = std::max(1, request.height / divisor_);
-    if (film_.width == width && film_.height == height) {
-        film_.clear();
-    } else {
-        film_ = Film(width, height);
+    if (is_restart) {
+        ++first_number_;
+        const double pixel_count = double(request.width) * request.height;
+        PlaySizes sizes;
+        if (request.shade == Shade::kPath) {
+            sizes = pace_.choose(pixel_count, advance_ms_);
+        } else {
+            sizes.light = sizes.surfaces = pace_.choose_unlit(pixel_count, advance_ms_);
+        }
+        divisor_ = sizes.light;
+        surface_divisor_ = sizes.surfaces;
     }
+    start(request, divisor_, &film_);
 }
 
 bool LiveRenderer::pass(const LiveRequest& request) {
     const View view = view_choice(request).view(content_.scene, float(request.width) / float(request.height));
 
-    RenderConfig config;
-    config.shade = request.shade;
-    config.environment = request.environment;
-    config.cancel = &cancel_;
+    RenderConfig config = render_config(request);
     config.guides = &guides_;
     guides_.past = is_first_film_ ? &past_ : nullptr;
-    if (is_first_film_) {
-        config.max_bounces = kFirstBounces;
-        config.is_jittered = false;
-        config.first_number = first_number_++;
-    }
     pass_stats_ = frame_stats_;
     if (!render(content_.scene, *tlas_, view, config, 1, &film_, &pass_stats_)) return false;
     traced_rays_ += pass_stats_.rays - frame_stats_.rays;
     view_ = view;
     return true;
+}
+
+RenderConfig LiveRenderer::render_config(const LiveRequest& request) {
+    RenderConfig config;
+    config.shade = request.shade;
+    config.environment = request.environment;
+    config.cancel = &cancel_;
+    if (is_first_film_) {
+        config.max_bounces = kFirstBounces;
+        config.is_jittered = false;
+        config.first_number = first_number_;
+    }
+    return config;
+}
+
+/// Tells whether surfaces are shown that are finer than their light.
+bool LiveRenderer::has_surfaces(const LiveRequest& request) const {
+    return request.shade == Shade::kPath && surface_divisor_ < divisor_;
+}
+
+/// Traces the picture's surfaces, unless that was done for the light before this one.
+/// Returns    false where it was cancelled.
+bool LiveRenderer::see_surfaces(const LiveRequest& request) {
+    if (!is_first_film_) return true;
+    start(request, surface_divisor_, &surfaces_);
+    RenderConfig config = render_config(request);
+    config.guides = &surface_guides_;
+    config.is_lit = false;
+    const uint64_t rays = pass_stats_.rays;
+    if (!render(content_.scene, *tlas_, view_, config, 1, &surfaces_, &pass_stats_)) return false;
+    traced_rays_ += pass_stats_.rays - rays;
+    return true;
+}
+
+void LiveRenderer::note_pace(const LiveRequest& request, double light_ms, double all_ms) {
+    const double pixel_count = double(film_.width) * film_.height;
+    if (request.shade != Shade::kPath) return pace_.note_surfaces(pixel_count, all_ms);
+    if (!has_surfaces(request)) return pace_.note_light(pixel_count, all_ms);
+    pace_.note_light(pixel_count, light_ms);
+    pace_.note_surfaces(double(surfaces_.width) * surfaces_.height, all_ms - light_ms);
 }
 
 /// Makes the film to show: of first films with the frames before, of the next ones by neighbours only.
@@ -222,11 +277,14 @@ const Film& LiveRenderer::smooth(const LiveRequest& request) {
 }
 
 void LiveRenderer::develop(const LiveRequest& request, const Film& film) {
-    picture_.width = film_.width;
-    picture_.height = film_.height;
+    picture_.width = film.width;
+    picture_.height = film.height;
+    picture_.light_width = film_.width;
+    picture_.light_height = film_.height;
     picture_.rgba = to_rgba8(film, request.grade);
-    picture_.nodes.resize(film_.node.size());
-    std::ranges::transform(film_.node, picture_.nodes.begin(), [](uint32_t node) { return NodeId{node}; });
+    const std::vector<uint32_t>& nodes = has_surfaces(request) ? surfaces_.node : film_.node;
+    picture_.nodes.resize(nodes.size());
+    std::ranges::transform(nodes, picture_.nodes.begin(), [](uint32_t node) { return NodeId{node}; });
     picture_.time_s = request.time_s;
     picture_.sample_count = film_.sample_count;
     picture_.stats = pass_stats_;

@@ -18,6 +18,7 @@
 #include "engine/render/denoise.h"
 #include "engine/render/past_frame.h"
 #include "engine/render/path.h"
+#include "engine/render/upsample.h"
 
 namespace zoe {
 
@@ -49,8 +50,9 @@ struct PickedNode {
 /// What the render thread has to show.
 struct LivePicture {
     int width = 0, height = 0;
-    std::vector<uint8_t> rgba;  ///< [height * width * 4], top row first.
-    std::vector<NodeId> nodes;  ///< [height * width] what is seen; kNone<NodeId>: the sky.
+    int light_width = 0, light_height = 0;  ///< Of the picture that lights it: its own, or a smaller one's.
+    std::vector<uint8_t> rgba;              ///< [height * width * 4], top row first.
+    std::vector<NodeId> nodes;              ///< [height * width] what is seen; kNone<NodeId>: the sky.
     std::optional<PickedNode> picked;
     double time_s = 0.0;
     int sample_count = 0;
@@ -62,8 +64,9 @@ struct LivePicture {
 };
 
 /// Renders on its own thread, so that the interface never waits. A new frame or edit is first shown by one sample a pixel at
-/// a size that keeps up with 24 frames a second, smoothed with the frames before; then, while nothing changes, finer and
-/// finer up to full size, and from then on samples accumulate. What has few of them is smoothed, too.
+/// a size that keeps up with 24 frames a second, smoothed with the frames before, which lights the surfaces of a finer
+/// picture; then, while nothing changes, light of finer and finer ones up to full size, and from then on samples accumulate.
+/// What has few of them is smoothed, too.
 class LiveRenderer {
 public:
     /// content     Its scene belongs to the thread until this ends.
@@ -88,6 +91,10 @@ private:
     void start_film(const LiveRequest& request, bool is_restart);
     bool pass(const LiveRequest& request);
     const Film& smooth(const LiveRequest& request);
+    RenderConfig render_config(const LiveRequest& request);
+    bool has_surfaces(const LiveRequest& request) const;
+    bool see_surfaces(const LiveRequest& request);
+    void note_pace(const LiveRequest& request, double light_ms, double all_ms);
     void develop(const LiveRequest& request, const Film& film);
     void publish(const LiveRequest& request);
     void force_motions(const LiveRequest& request);
@@ -116,15 +123,18 @@ private:
     uint64_t traced_rays_ = 0;                             ///< Since then.
     bool is_new_frame_ = false;
     Film film_, smoothed_;
+    Film surfaces_;  ///< Seen at the last restart, where they were to be finer than the light; lit by whatever is there.
     bool is_first_film_ = false;  ///< Since the last change: few bounces, and soon another.
     View view_;                   ///< Of the last pass.
-    int divisor_ = 1;             ///< The film's sides are the picture's, divided by this.
+    int divisor_ = 1;             ///< The film's sides are the picture's, divided by this ...
+    int surface_divisor_ = 1;     ///< ... and those of the surfaces by this.
     Pace pace_;
     double advance_ms_ = 0.0;    ///< What the last frame took before its pixels.
-    uint32_t first_number_ = 0;  ///< Of the next frame's random numbers.
+    uint32_t first_number_ = 0;  ///< Of the frame's random numbers.
     PastFrame past_;
-    Guides guides_;
+    Guides guides_, surface_guides_;
     Denoiser denoiser_;
+    Upsampler upsampler_;
     LivePicture picture_;  ///< The latest, but for what is picked in it.
     std::thread thread_;   ///< Last: it uses all of the above.
 };

@@ -150,6 +150,7 @@ void draw_counts(const WindowState& state) {
     ImGui::Separator();
     const double rays_a_second = stats.trace_ms > 0.0 ? double(stats.rays) / stats.trace_ms / 1000.0 : 0.0;
     ImGui::Text("picture    %dx%d of %dx%d", picture.width, picture.height, state.picture_width, state.picture_height);
+    ImGui::Text("light      %dx%d", picture.light_width, picture.light_height);
     ImGui::Text("samples    %d%s", picture.sample_count, picture.is_finished ? ", done" : "");
     ImGui::Text("rays       %.2f million a second", rays_a_second);
     ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second : 0.0);

@@ -72,6 +72,37 @@ TEST(LiveRenderer, ACutDropsTheFramesBefore) {
     EXPECT_GT(lit[true], 0.85) << "the cut is seen at once";
 }
 
+/// Where nothing is known of times yet, surfaces are shown in half the size, lit by a quarter. Of a still frame both become
+/// finer, and in the end the light is the picture's own.
+TEST(LiveRenderer, LightIsCoarserThanSurfacesWhilePlaying) {
+    LidScene scene;
+    LiveRenderer renderer(scene.content, 4, [] {});
+    LiveRequest request = playing(scene);
+    request.time_s = LidScene::kOpensS;
+    LivePicture picture = show(renderer, request);
+    EXPECT_EQ(picture.width, kWidth / 2);
+    EXPECT_EQ(picture.height, kHeight / 2);
+    EXPECT_EQ(picture.light_width, kWidth / 4);
+    EXPECT_EQ(picture.light_height, kHeight / 4);
+    EXPECT_EQ(picture.rgba.size(), 4 * picture.nodes.size());
+    EXPECT_EQ(picture.nodes[picture.nodes.size() / 2], scene.floor);
+    EXPECT_GT(brightness(picture), 0.05);
+    request.is_playing = false;
+    renderer.ask(request);
+    int width = picture.width, light_width = picture.light_width;
+    for (int wait = 0; wait < 60'000 && !picture.is_finished; ++wait) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (!renderer.take(&picture)) continue;
+        EXPECT_GE(picture.width, width);
+        EXPECT_GE(picture.light_width, light_width);
+        width = picture.width;
+        light_width = picture.light_width;
+    }
+    EXPECT_TRUE(picture.is_finished);
+    EXPECT_EQ(width, kWidth);
+    EXPECT_EQ(light_width, kWidth);
+}
+
 /// A node that is picked while the scene plays is outlined and reported in the pictures that follow.
 TEST(LiveRenderer, APickedNodeIsShownWhilePlaying) {
     LidScene scene;
