@@ -27,6 +27,7 @@ constexpr std::array kCharts = {
     ChartInfo{"shutter", "At how many times must a scene be made to blur what moves?", shutter},
     ChartInfo{"noise", "How many samples does it save to give them to the pixels that need them?", noise},
     ChartInfo{"denoise", "What does a filter over neighbours and frames save samples, and what is its error?", denoise},
+    ChartInfo{"upsample", "What is gained by lighting a picture by a smaller one, and how small may that be?", upsample},
     ChartInfo{"skinning", "What volume does a twisted or bent limb lose, and what does it cost to keep it?", skinning},
     ChartInfo{"subdivision", "How far are triangles from the surface that a cage stands for, and what does nearer cost?",
               subdivision},

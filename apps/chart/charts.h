@@ -26,6 +26,7 @@ Chart filtering(Sweep& sweep);
 Chart shutter(Sweep& sweep);
 Chart noise(Sweep& sweep);
 Chart denoise(Sweep& sweep);
+Chart upsample(Sweep& sweep);
 Chart skinning(Sweep& sweep);
 Chart subdivision(Sweep& sweep);
 Chart policy(Sweep& sweep);

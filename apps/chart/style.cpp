@@ -125,6 +125,11 @@ constexpr std::array kStyles = {
     Style{"frames that a mean looks back on", kBlue, kSquare, true},
     Style{"rounds of the filter", kPurple, kOpenSquare, true},
     Style{"strength of the filter", kVermilion, kDiamond, true},
+    // Light that is coarser than the picture.
+    Style{"stretched", kGrey, kCross, true},
+    Style{"on surfaces of a third", kOrange, kSquare, true},
+    Style{"on surfaces of half", kGreen, kCircle, true},
+    Style{"on full surfaces", kPurple, kDiamond, true},
     // When trees are rebuilt.
     Style{"always refitted", kSkyBlue, kOpenTriangle, true},
     Style{"always rebuilt", kOrange, kOpenSquare, true},

@@ -199,6 +199,19 @@ TEST(Charts, SmoothingTakesMostOfTheErrorOfASample) {
     }
 }
 
+/// Coarse light that is put on finer surfaces has less error than light that is stretched.
+TEST(Charts, FinerSurfacesTakeErrorFromCoarseLight) {
+    const Chart chart = make_tiny("upsample");
+    const auto error = [&](const char* series, const char* label) {
+        const std::vector<Point>& points = chart.panels[0].find(series)->points;
+        return std::ranges::find(points, label, &Point::label)->y.median;
+    };
+    for (const char* const label : {"4", "5", "6", "8", "10", "12"}) {
+        for (const char* const series : {"on surfaces of half", "on full surfaces"})
+            EXPECT_LT(error(series, label), error("stretched", label)) << series << ", " << label;
+    }
+}
+
 /// Where a clip goes far from its first frame, a tree that was built over more of it serves it better.
 TEST(Charts, TreesOverAClipServeItBetterThanThoseOfItsFirstFrame) {
     const Chart chart = make_tiny("clip");
