@@ -17,18 +17,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<std::string> demo(std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-}
-
 TEST(Exposures, AnOpenShutterBlursWhatMovesAndNothingElse) {
     const TempFolder folder;
     write_small_scene(folder);
     const auto render = [&](std::vector<std::string> more, const std::string& out) {
         more.insert(more.end(), {"--frames", "3", "--fps", "6", "--spp", "32", "--shade", "albedo", "--out", out});
-        const Outcome outcome = run_demo(folder.path(), demo(more));
+        const Outcome outcome = run_demo(folder.path(), small_pictures(more));
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         return read_picture(folder / out);
     };
@@ -54,12 +48,13 @@ TEST(Exposures, TheFilesCameraSaysHowLongItsShutterIsOpen) {
     const TempFolder folder;
     Json scene = small_scene();
     write_small_scene(folder, scene);
-    const std::vector<std::string> told = demo({"--frames", "3", "--shutter", "0.5", "--out", "told.png"});
+    const std::vector<std::string> told = small_pictures({"--frames", "3", "--shutter", "0.5", "--out", "told.png"});
     ASSERT_EQ(run_demo(folder.path(), told).exit_code, 0);
     scene["cameras"][0]["extras"]["shutter"] = 0.5;
     write_small_scene(folder, scene);
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "3", "--out", "own.png"})).exit_code, 0);
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "3", "--shutter", "0", "--out", "sharp.png"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "3", "--out", "own.png"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "3", "--shutter", "0", "--out", "sharp.png"})).exit_code,
+              0);
     EXPECT_EQ(read_bytes(folder / "told.png"), read_bytes(folder / "own.png"));
     EXPECT_NE(read_bytes(folder / "told.png"), read_bytes(folder / "sharp.png"));
 }
@@ -69,7 +64,7 @@ TEST(Exposures, APixelGetsTheSamplesThatItNeeds) {
     write_small_scene(folder);
     const auto run = [&](std::vector<std::string> more) {
         more.insert(more.end(), {"--frames", "3", "--spp", "256", "--out", "noise.exr", "--stats", "stats.json"});
-        const Outcome outcome = run_demo(folder.path(), demo(more));
+        const Outcome outcome = run_demo(folder.path(), small_pictures(more));
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         return Json::parse(read_bytes(folder / "stats.json"))["frames"][0]["samples"].get<double>();
     };
@@ -77,12 +72,7 @@ TEST(Exposures, APixelGetsTheSamplesThatItNeeds) {
     EXPECT_GE(rough, 16.0);
     EXPECT_GT(fine, rough);
     EXPECT_LT(fine, 256.0);
-    const FloatImage image = read_picture(folder / "noise.exr");
-    const auto found = std::find(image.channels.begin(), image.channels.end(), "sampleCount");
-    ASSERT_NE(found, image.channels.end());
-    std::set<float> counts;
-    for (size_t i = size_t(found - image.channels.begin()); i < image.values.size(); i += image.channels.size())
-        counts.insert(image.values[i]);
+    const std::set<float> counts = channel_values(read_picture(folder / "noise.exr"), "sampleCount");
     EXPECT_GT(counts.size(), 1u);
     EXPECT_GE(*counts.begin(), 16.0f);
     EXPECT_LE(*counts.rbegin(), 256.0f);

@@ -16,32 +16,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<std::string> demo(std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32", "--spp", "2"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-}
-
 std::vector<std::string> keys(const Json& json) {
     std::vector<std::string> names;
     for (const auto& [key, value] : json.items()) names.push_back(key);
     return names;
 }
 
-/// Of the values of a channel that are set in at least one pixel.
-std::set<float> channel_values(const FloatImage& image, const std::string& name) {
-    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
-    std::set<float> values;
-    if (found == image.channels.end()) return values;
-    const size_t channel = static_cast<size_t>(found - image.channels.begin());
-    for (size_t i = channel; i < image.values.size(); i += image.channels.size()) values.insert(image.values[i]);
-    return values;
-}
-
 TEST(Pictures, FrameRangeGivesOnePictureEachThatDiffer) {
     const TempFolder folder;
     write_small_scene(folder);
-    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "3-6"}));
+    const Outcome outcome = run_demo(folder.path(), small_pictures({"--frames", "3-6"}));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     for (const int frame : {3, 4, 5, 6}) {
         const FloatImage image = read_picture(folder / ("out/frame_000" + std::to_string(frame) + ".png"));
@@ -63,7 +47,7 @@ TEST(Pictures, FilmIsMadeWhereFfmpegIs) {
     const TempFolder folder;
     write_small_scene(folder);
     // An odd size: the film's sides must be even.
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-3", "--size", "33x21"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "0-3", "--size", "33x21"})).exit_code, 0);
     bool has_ffmpeg = true;
     try {
         has_ffmpeg = run_program({"ffmpeg", "-version"}, folder.path()).exit_code == 0;
@@ -80,7 +64,7 @@ TEST(Pictures, MissingFfmpegIsAWarning) {
     const TempFolder folder;
     write_small_scene(folder);
     std::filesystem::create_directory(folder / "empty");
-    std::vector<std::string> arguments = demo({"--frames", "0-1"});
+    std::vector<std::string> arguments = small_pictures({"--frames", "0-1"});
     arguments.insert(arguments.begin(), ZOETROPE_DEMO);
     const Outcome outcome = run_program(arguments, folder.path(), {"DISPLAY", "PATH=" + (folder / "empty").native()});
     EXPECT_EQ(outcome.exit_code, 0);
@@ -91,7 +75,7 @@ TEST(Pictures, MissingFfmpegIsAWarning) {
 TEST(Pictures, SingleFrameNeedsNoNumberInItsName) {
     const TempFolder folder;
     write_small_scene(folder);
-    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "7", "--out", "one/picture.png"}));
+    const Outcome outcome = run_demo(folder.path(), small_pictures({"--frames", "7", "--out", "one/picture.png"}));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(list_files(folder / "one"), std::vector<std::string>{"picture.png"});
 }
@@ -99,7 +83,8 @@ TEST(Pictures, SingleFrameNeedsNoNumberInItsName) {
 TEST(Pictures, ExrHasTheLayers) {
     const TempFolder folder;
     write_small_scene(folder);
-    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "0-1", "--spp", "1", "--out", "layers/f%02d.exr"}));
+    const Outcome outcome =
+        run_demo(folder.path(), small_pictures({"--frames", "0-1", "--spp", "1", "--out", "layers/f%02d.exr"}));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(folder / "layers/contact_sheet.png"));
     ASSERT_TRUE(std::filesystem::exists(folder / "layers/f01.exr"));
@@ -131,7 +116,7 @@ TEST(Pictures, SayWhatTheyShow) {
     const TempFolder folder;
     write_small_scene(folder);
     for (const char* const out : {"out/f%02d.png", "out/f%02d.exr"}) {
-        const Outcome outcome = run_demo(folder.path(), demo({"--frames", "6", "--fps", "12", "--out", out}));
+        const Outcome outcome = run_demo(folder.path(), small_pictures({"--frames", "6", "--fps", "12", "--out", out}));
         ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     }
     for (const char* const file : {"out/f06.png", "out/f06.exr"}) {
@@ -149,7 +134,7 @@ TEST(Pictures, MotionDoesNotDependOnTheFramesMadeBefore) {
     const TempFolder folder;
     write_small_scene(folder);
     const auto render = [&](const char* frames, const char* out) {
-        const Outcome outcome = run_demo(folder.path(), demo({"--frames", frames, "--out", out}));
+        const Outcome outcome = run_demo(folder.path(), small_pictures({"--frames", frames, "--out", out}));
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     };
     render("3-6", "all/f%d.exr");
@@ -175,7 +160,7 @@ TEST(Pictures, SharesMakeTheSameFilesAsOneRun) {
         const auto frames = [&](std::vector<std::string> more) {
             more.insert(more.end(),
                         {"--frames", "3-9", "--shutter", "0.7", "--slices", "4", "--noise", "0.1", "--spp", "64"});
-            return demo(more);
+            return small_pictures(more);
         };
         ASSERT_EQ(run_demo(folder.path(), frames({"--out", "whole" + name})).exit_code, 0);
         for (const char* const share : {"3/3", "1/3", "2/3"}) {
@@ -191,10 +176,12 @@ TEST(Pictures, SharesMakeTheSameFilesAsOneRun) {
         EXPECT_FALSE(std::filesystem::exists(folder / "shares/contact_sheet.png")) << "of pictures that are not all there";
     }
     // All are there: what is left is what shows them together.
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "3-9", "--resume", "--out", "shares/f%d.png"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "3-9", "--resume", "--out", "shares/f%d.png"})).exit_code,
+              0);
     EXPECT_TRUE(std::filesystem::exists(folder / "shares/contact_sheet.png"));
     // More shares than frames.
-    const Outcome none = run_demo(folder.path(), demo({"--frames", "0-1", "--shard", "3/3", "--stats", "none.json"}));
+    const Outcome none =
+        run_demo(folder.path(), small_pictures({"--frames", "0-1", "--shard", "3/3", "--stats", "none.json"}));
     EXPECT_EQ(none.exit_code, 0) << none.err;
     EXPECT_EQ(Json::parse(read_bytes(folder / "none.json"))["frames"].size(), 0u);
 }
@@ -210,7 +197,7 @@ TEST(Pictures, ExposureBrightensAndToneIsChosen) {
     const TempFolder folder;
     write_small_scene(folder);
     const auto render = [&](const std::string& out, std::vector<std::string> more) {
-        std::vector<std::string> arguments = demo({"--frames", "0", "--out", out});
+        std::vector<std::string> arguments = small_pictures({"--frames", "0", "--out", out});
         arguments.insert(arguments.end(), more.begin(), more.end());
         const Outcome outcome = run_demo(folder.path(), arguments);
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -228,11 +215,12 @@ TEST(Pictures, ExposureBrightensAndToneIsChosen) {
 TEST(Pictures, ResumeKeepsWhatIsThereAndMakesTheRest) {
     const TempFolder folder;
     write_small_scene(folder);
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-2"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "0-2"})).exit_code, 0);
     const std::string frame_1 = read_bytes(folder / "out/frame_0001.png");
     std::filesystem::remove(folder / "out/frame_0001.png");
     const auto written = std::filesystem::last_write_time(folder / "out/frame_0000.png");
-    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "0-2", "--resume", "--stats", "stats.json"}));
+    const Outcome outcome =
+        run_demo(folder.path(), small_pictures({"--frames", "0-2", "--resume", "--stats", "stats.json"}));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(read_bytes(folder / "out/frame_0001.png"), frame_1);
     EXPECT_EQ(std::filesystem::last_write_time(folder / "out/frame_0000.png"), written);
@@ -240,7 +228,8 @@ TEST(Pictures, ResumeKeepsWhatIsThereAndMakesTheRest) {
     ASSERT_EQ(stats["frames"].size(), 1u);
     EXPECT_EQ(stats["frames"][0]["frame"], 1);
 
-    const Outcome nothing_left = run_demo(folder.path(), demo({"--frames", "0-2", "--resume", "--stats", "none.json"}));
+    const Outcome nothing_left =
+        run_demo(folder.path(), small_pictures({"--frames", "0-2", "--resume", "--stats", "none.json"}));
     EXPECT_EQ(nothing_left.exit_code, 0) << nothing_left.err;
     EXPECT_EQ(Json::parse(read_bytes(folder / "none.json"))["frames"].size(), 0u);
 }
@@ -248,10 +237,10 @@ TEST(Pictures, ResumeKeepsWhatIsThereAndMakesTheRest) {
 TEST(Pictures, ResumeMakesEmptyPicturesAgain) {
     const TempFolder folder;
     write_small_scene(folder);
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-2"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "0-2"})).exit_code, 0);
     const std::string frame_1 = read_bytes(folder / "out/frame_0001.png");
     folder.write("out/frame_0001.png", "");
-    const Outcome outcome = run_demo(folder.path(), demo({"--frames", "0-2", "--resume"}));
+    const Outcome outcome = run_demo(folder.path(), small_pictures({"--frames", "0-2", "--resume"}));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(read_bytes(folder / "out/frame_0001.png"), frame_1);
     EXPECT_NE(outcome.out.find("(2 were there already)"), std::string::npos) << outcome.out;
@@ -262,13 +251,13 @@ TEST(Pictures, ResumeWarnsOfPicturesOfAnotherSize) {
         SCOPED_TRACE(out);
         const TempFolder folder;
         write_small_scene(folder);
-        ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-1", "--out", out})).exit_code, 0);
+        ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "0-1", "--out", out})).exit_code, 0);
         const std::string text = "of the pictures that are there, 2 are not 32x48";
-        const Outcome same = run_demo(folder.path(), demo({"--frames", "0-2", "--out", out, "--resume"}));
+        const Outcome same = run_demo(folder.path(), small_pictures({"--frames", "0-2", "--out", out, "--resume"}));
         EXPECT_EQ(same.err.find("of the pictures"), std::string::npos) << same.err;
         std::filesystem::remove(folder / NumberedPath(out)(2).native());
         const Outcome other =
-            run_demo(folder.path(), demo({"--frames", "0-2", "--out", out, "--resume", "--size", "32x48"}));
+            run_demo(folder.path(), small_pictures({"--frames", "0-2", "--out", out, "--resume", "--size", "32x48"}));
         EXPECT_EQ(other.exit_code, 0) << other.err;
         EXPECT_NE(other.err.find(text), std::string::npos) << other.err;
     }
@@ -279,7 +268,8 @@ TEST(Pictures, ThreadsDoNotMatter) {
     write_small_scene(folder);
     for (const char* const threads : {"1", "2", "5"}) {
         const std::string out = std::string("threads_") + threads + "/f%d.png";
-        ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "0-2", "--threads", threads, "--out", out})).exit_code, 0);
+        ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "0-2", "--threads", threads, "--out", out})).exit_code,
+                  0);
     }
     for (const char* const name : {"f0.png", "f1.png", "f2.png"}) {
         const std::string one = read_bytes(folder / "threads_1" / name);
@@ -292,8 +282,9 @@ TEST(Pictures, ThreadsDoNotMatter) {
 TEST(Pictures, LoopingStartsAgainAndNoLoopStays) {
     const TempFolder folder;
     write_small_scene(folder);  // its clip takes one second: 24 frames
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "6-36", "--out", "loop/f%d.png"})).exit_code, 0);
-    ASSERT_EQ(run_demo(folder.path(), demo({"--frames", "24-36", "--out", "stay/f%d.png", "--no-loop"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "6-36", "--out", "loop/f%d.png"})).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "24-36", "--out", "stay/f%d.png", "--no-loop"})).exit_code,
+              0);
     const auto pixels = [&](const char* file) { return read_picture(folder / file).values; };
     EXPECT_TRUE(pixels("loop/f6.png") == pixels("loop/f30.png"));
     EXPECT_TRUE(pixels("stay/f24.png") == pixels("stay/f36.png"));
@@ -303,8 +294,9 @@ TEST(Pictures, LoopingStartsAgainAndNoLoopStays) {
 TEST(Stats, FieldsAreTheDocumentedOnes) {
     const TempFolder folder;
     write_small_scene(folder);
-    const Outcome outcome = run_demo(
-        folder.path(), demo({"--frames", "0-3", "--threads", "2", "--stats", "stats.json", "--trace", "trace.json"}));
+    const Outcome outcome =
+        run_demo(folder.path(),
+                 small_pictures({"--frames", "0-3", "--threads", "2", "--stats", "stats.json", "--trace", "trace.json"}));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const Json stats = Json::parse(read_bytes(folder / "stats.json"));
     EXPECT_EQ(keys(stats),

@@ -13,12 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Outcome play(const TempFolder& folder, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32", "--spp", "2"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_demo(folder.path(), arguments);
-}
-
 /// A surface that is as fine as its pixels show comes from 11 m to 4 m in a second.
 void write_pixel_surface(const TempFolder& folder, const Json& camera = {}) {
     Json json = small_scene();
@@ -37,7 +31,7 @@ TEST(PixelSurfaces, AreAsFineAsTheirPixelsShow) {
     write_pixel_surface(folder);
     const auto triangle_count = [&](std::vector<std::string> more) {
         more.insert(more.end(), {"--frames", "0", "--stats", "stats.json"});
-        const Outcome outcome = play(folder, more);
+        const Outcome outcome = run_demo(folder.path(), small_pictures(more));
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
         EXPECT_EQ(outcome.err.find("warning"), std::string::npos) << outcome.err;
         return Json::parse(read_bytes(folder / "stats.json"))["triangles"].get<int>();
@@ -55,7 +49,9 @@ TEST(PixelSurfaces, AreAsFineAsTheirPixelsShow) {
 TEST(PixelSurfaces, DependOnNoFrameBefore) {
     const TempFolder folder;
     write_pixel_surface(folder);
-    ASSERT_EQ(play(folder, {"--frames", "0-23", "--out", "f%d.png", "--stats", "stats.json"}).exit_code, 0);
+    ASSERT_EQ(
+        run_demo(folder.path(), small_pictures({"--frames", "0-23", "--out", "f%d.png", "--stats", "stats.json"})).exit_code,
+        0);
     int change_count = 0;
     const Json stats = Json::parse(read_bytes(folder / "stats.json"));
     for (int frame = 1; frame < 24; ++frame) change_count += stats["frames"][frame]["rebuilt"].get<int>() > 0;
@@ -66,11 +62,11 @@ TEST(PixelSurfaces, DependOnNoFrameBefore) {
         played.push_back(read_bytes(picture));
         if (frame % 3 > 0) std::filesystem::remove(picture);
     }
-    ASSERT_EQ(play(folder, {"--frames", "0-23", "--out", "f%d.png", "--resume"}).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "0-23", "--out", "f%d.png", "--resume"})).exit_code, 0);
     for (int frame = 0; frame < 24; ++frame) {
         EXPECT_EQ(read_bytes(folder / ("f" + std::to_string(frame) + ".png")), played[frame]) << "frame " << frame;
     }
-    ASSERT_EQ(play(folder, {"--frames", "22", "--out", "alone.png"}).exit_code, 0);
+    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "22", "--out", "alone.png"})).exit_code, 0);
     EXPECT_EQ(read_bytes(folder / "alone.png"), played[22]);
 }
 
@@ -78,7 +74,7 @@ TEST(PixelSurfaces, HaveTheirLevelWhereTheCameraIsOrthographic) {
     const TempFolder folder;
     write_pixel_surface(folder, Json::parse(R"({"type": "orthographic",
                                                 "orthographic": {"xmag": 3, "ymag": 2, "znear": 0.1, "zfar": 100}})"));
-    const Outcome outcome = play(folder, {"--frames", "0", "--stats", "stats.json"});
+    const Outcome outcome = run_demo(folder.path(), small_pictures({"--frames", "0", "--stats", "stats.json"}));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(outcome.err.find("the camera is orthographic"), std::string::npos) << outcome.err;
     EXPECT_EQ(Json::parse(read_bytes(folder / "stats.json"))["triangles"], 6);

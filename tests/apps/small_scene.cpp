@@ -1,5 +1,6 @@
 #include "tests/apps/small_scene.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -73,6 +74,21 @@ std::string small_glb() {
     put(static_cast<uint32_t>(bytes.size()));
     put(0x004e4942);  // "BIN"
     return glb + bytes;
+}
+
+std::vector<std::string> small_pictures(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"scene.gltf", "--headless", "--size", "48x32", "--spp", "2"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+std::set<float> channel_values(const FloatImage& image, const std::string& name) {
+    const auto found = std::ranges::find(image.channels, name);
+    std::set<float> values;
+    if (found == image.channels.end()) return values;
+    const auto channel = static_cast<size_t>(found - image.channels.begin());
+    for (size_t i = channel; i < image.values.size(); i += image.channels.size()) values.insert(image.values[i]);
+    return values;
 }
 
 }  // namespace zoe::test

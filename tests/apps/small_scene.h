@@ -1,9 +1,12 @@
 #pragma once
 
+#include <set>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "engine/scene/image.h"
 #include "tests/support/temp_folder.h"
 
 namespace zoe::test {
@@ -21,5 +24,12 @@ void write_small_scene(const TempFolder& folder, const nlohmann::json& json = sm
 
 /// The same as one .glb file.
 std::string small_glb();
+
+/// The demo's arguments for small pictures of scene.gltf.
+/// more       follows them, and wins.
+std::vector<std::string> small_pictures(const std::vector<std::string>& more);
+
+/// The values of a channel; none where there is no such channel.
+std::set<float> channel_values(const FloatImage& image, const std::string& name);
 
 }  // namespace zoe::test
