@@ -138,6 +138,14 @@ void deform(Scene& scene, FrameState* state, FrameStats* stats);
 void update_blas(Scene& scene, FrameState* state, FrameStats* stats);
 void build_tlas(Scene& scene, FrameState* state, FrameStats* stats);
 
+/// By motion class: what a BLAS is built with, and what moving vertices do to it.
+struct TreeMethod {
+    bool is_refitted;  ///< Moved vertices refit the tree; else they rebuild it.
+    bool is_cached;    ///< The tree is built once, and kept on disk where the scene has a cache.
+    BlasBuilder builder;
+};
+TreeMethod method_for(Motion motion, const FrameState& state);
+
 /// Where a shape whose vertices are in this box is in the world of this frame; empty where it cannot be hit.
 Aabb bounds_world(const Shape& shape, const FrameState& state, const Aabb& bounds_local);
 

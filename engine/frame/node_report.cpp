@@ -12,6 +12,26 @@ const char* name(TreeAction action) {
     return kNames[static_cast<size_t>(action)];
 }
 
+namespace {
+
+const char* describe(const TreeMethod& method) {
+    if (method.is_refitted) return "refitted, rebuilt when worn";
+    switch (method.builder) {
+        case BlasBuilder::kSbvh:
+            return "built once: SBVH, reinserted";
+        case BlasBuilder::kReinserted:
+            return "built once: sweep, reinserted";
+        case BlasBuilder::kSweep:
+            return "built once: sweep";
+        case BlasBuilder::kMedian:  // of no class
+        case BlasBuilder::kBinned:
+            break;
+    }
+    return method.is_cached ? "built once: binned" : "rebuilt: binned";
+}
+
+}  // namespace
+
 NodeReport report_node(const Scene& scene, NodeId node) {
     if (!scene.frame) throw std::logic_error("report_node: no frame was made yet");
     const FrameState& state = *scene.frame;
@@ -21,6 +41,7 @@ NodeReport report_node(const Scene& scene, NodeId node) {
     report.motion = state.motions.at(index(node)).motion;
     if (shape == state.shapes.end() || shape->node != node || !shape->has_blas) return report;
     report.has_tree = true;
+    report.method = describe(method_for(report.motion, state));
     report.action = shape->action;
     report.is_shared = shape->is_shared();
     report.triangle_count = static_cast<uint32_t>(shape->shown->corners.size());

@@ -15,6 +15,7 @@ struct NodeReport {
     bool has_tree = false;  ///< It shows triangles; the rest is worth something only then.
     Motion content = Motion::kStatic;
     Motion motion = Motion::kStatic;  ///< As `content`, or the more general class that was asked for.
+    const char* method = "";          ///< What its class does for the tree, in words.
     TreeAction action = TreeAction::kKept;
     bool is_shared = false;  ///< The tree is that of all nodes that show the mesh undeformed.
     uint32_t triangle_count = 0, vertex_count = 0;

@@ -14,16 +14,7 @@
 
 namespace zoe {
 
-namespace {
-
-struct Method {
-    bool is_refitted;  // Moved vertices refit the tree; else they rebuild it.
-    bool is_cached;    // The tree is built once, and kept on disk where the scene has a cache.
-    BlasBuilder builder;
-};
-
-// By motion class: what moving vertices do to a BLAS, and what it is built with.
-Method method_for(Motion motion, const FrameState& state) {
+TreeMethod method_for(Motion motion, const FrameState& state) {
     switch (motion) {
         case Motion::kStatic:
         case Motion::kRigid:  // The rays are transformed.
@@ -35,6 +26,8 @@ Method method_for(Motion motion, const FrameState& state) {
     }
     return {.is_refitted = false, .is_cached = false, .builder = BlasBuilder::kBinned};
 }
+
+namespace {
 
 // The cheapest that leaves the tree valid for this frame's vertices.
 TreeAction action_for(const Shape& shape, const FrameState& state) {
@@ -49,8 +42,8 @@ struct CacheCounts {
 
 // Builds a tree, or reads it where that is faster.
 // scratch    null where the tree is not rebuilt every frame.
-void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, const Method& method, TreeCache* cache,
-          Blas* blas, BlasScratch* scratch, CacheCounts* counts) {
+void make(std::span<const glm::vec3> positions, std::span<const glm::uvec3> corners, const TreeMethod& method,
+          TreeCache* cache, Blas* blas, BlasScratch* scratch, CacheCounts* counts) {
     using Clock = std::chrono::steady_clock;
     const bool is_cached = cache && method.is_cached && corners.size() >= kFewestCachedTriangles;
     const Hash128 key = is_cached ? tree_key(positions, corners, method.builder) : Hash128{};
@@ -94,7 +87,7 @@ void update(const Scene& scene, const FrameState& state, Shape* shape, CacheCoun
         const bool is_other = refit_blas(shape->positions, mesh.corners, shape->blas).changed > 0;
         if (is_other) note_refit(read_tree(*shape->blas), &shape->own->watch);
     } else {
-        const Method method = method_for(shape->motion.motion, state);
+        const TreeMethod method = method_for(shape->motion.motion, state);
         const bool is_rebuilt_often = shape->motion.motion == Motion::kArbitrary;
         const ClipTree* of_clip = state.clip_trees.empty() ? nullptr : &state.clip_trees[index(shape->mesh)];
         if (method.is_refitted && of_clip && of_clip->tree.primitives.size() == mesh.corners.size()) {

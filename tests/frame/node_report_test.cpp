@@ -3,6 +3,7 @@
 #include "engine/frame/node_report.h"
 
 #include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -39,11 +40,12 @@ TEST(NodeReport, TellsWhatWasDoneByClass) {
         Motion motion;
         TreeAction action;
         bool is_shared;
+        const char* method;
     };
-    for (const Case& expected : {Case{"static", 1000, Motion::kStatic, TreeAction::kKept, true},
-                                 Case{"rigid", 3, Motion::kRigid, TreeAction::kKept, true},
-                                 Case{"deforming", 8, Motion::kDeforming, TreeAction::kRefitted, false},
-                                 Case{"arbitrary", 200, Motion::kArbitrary, TreeAction::kRebuilt, false}}) {
+    for (const Case& expected : {Case{"static", 1000, Motion::kStatic, TreeAction::kKept, true, "built once"},
+                                 Case{"rigid", 3, Motion::kRigid, TreeAction::kKept, true, "built once"},
+                                 Case{"deforming", 8, Motion::kDeforming, TreeAction::kRefitted, false, "refitted"},
+                                 Case{"arbitrary", 200, Motion::kArbitrary, TreeAction::kRebuilt, false, "rebuilt"}}) {
         SCOPED_TRACE(expected.scene);
         Content content = make_content(expected.scene, expected.size);
         NodeId node;
@@ -51,6 +53,7 @@ TEST(NodeReport, TellsWhatWasDoneByClass) {
         EXPECT_EQ(report.content, expected.motion);
         EXPECT_EQ(report.action, expected.action) << name(report.action);
         EXPECT_EQ(report.is_shared, expected.is_shared);
+        EXPECT_TRUE(std::string(report.method).starts_with(expected.method)) << report.method;
         EXPECT_GT(report.triangle_count, 0u);
         EXPECT_GT(report.vertex_count, 0u);
         EXPECT_GT(report.tree_cost, 1.0);
