@@ -1,5 +1,6 @@
 #include "apps/demo/gl_window.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -14,6 +15,8 @@
 
 namespace zoe {
 namespace {
+
+constexpr float kFontSize = 13.0f;  // of Dear ImGui's own font, or a multiple: its letters are drawn in pixels
 
 bool is_set(const char* variable) {
     const char* const value = std::getenv(variable);
@@ -39,14 +42,36 @@ void save_screenshot(int width, int height, const std::filesystem::path& file) {
     write_png(file, width, height, top_down);
 }
 
+/// Makes letters and gaps as large as the screen asks for. Some systems do a part of that: there, units of the interface
+/// are several pixels.
+void scale_interface(GLFWwindow* window) {
+    float pixels = 1.0f, ignored = 1.0f;
+    glfwGetWindowContentScale(window, &pixels, &ignored);
+    int width = 0, height = 0, pixel_width = 0, pixel_height = 0;
+    glfwGetWindowSize(window, &width, &height);
+    glfwGetFramebufferSize(window, &pixel_width, &pixel_height);
+    const float pixels_a_unit = width > 0 ? float(pixel_width) / float(width) : 1.0f;
+
+    ImGuiIO& io = ImGui::GetIO();
+    ImFontConfig font;
+    font.SizePixels = std::round(kFontSize * pixels);
+    font.OversampleH = font.OversampleV = 1;
+    font.PixelSnapH = true;
+    io.Fonts->AddFontDefault(&font);
+    io.FontGlobalScale = 1.0f / pixels_a_unit;
+    ImGui::GetStyle().ScaleAllSizes(pixels / pixels_a_unit);
+}
+
 }  // namespace
 
-GlWindow::GlWindow(PictureSize size) {
+GlWindow::GlWindow(std::optional<PictureSize> size) {
     if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY")) throw NoWindow("no display");
     if (!glfwInit()) throw NoWindow(glfw_reason());
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 0);
-    window_ = glfwCreateWindow(size.width, size.height, "Zoetrope", nullptr, nullptr);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, size ? GLFW_FALSE : GLFW_TRUE);
+    const auto [width, height] = size.value_or(kDefaultWindowSize);
+    window_ = glfwCreateWindow(width, height, "Zoetrope", nullptr, nullptr);
     if (!window_) {
         const std::string reason = glfw_reason();
         glfwTerminate();
@@ -68,11 +93,8 @@ GlWindow::GlWindow(PictureSize size) {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;  // the window leaves no files behind
-    float scale_x = 1.0f, scale_y = 1.0f;
-    glfwGetWindowContentScale(window_, &scale_x, &scale_y);
-    io.FontGlobalScale = scale_y;
     ImGui::StyleColorsDark();
-    ImGui::GetStyle().ScaleAllSizes(scale_y);
+    scale_interface(window_);
     ImGui_ImplGlfw_InitForOpenGL(window_, true);
     ImGui_ImplOpenGL3_Init("#version 130");
 
@@ -99,6 +121,10 @@ bool GlWindow::is_closing() const {
 
 void GlWindow::close() {
     glfwSetWindowShouldClose(window_, GLFW_TRUE);
+}
+
+void GlWindow::hide() {
+    glfwHideWindow(window_);
 }
 
 double GlWindow::seconds() const {

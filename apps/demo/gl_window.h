@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@ struct GLFWwindow;
 
 namespace zoe {
 
+constexpr PictureSize kDefaultWindowSize{1280, 720};
+
 /// There is no display, or it cannot show OpenGL; says why.
 class NoWindow : public std::runtime_error {
 public:
@@ -20,14 +23,16 @@ public:
 /// A window with OpenGL, Dear ImGui on it, and one texture that holds a picture. One at a time, on the main thread.
 class GlWindow {
 public:
+    /// size       in the screen's pixels; none: kDefaultWindowSize, larger where the screen's pixels are small.
     /// Throws     NoWindow.
-    explicit GlWindow(PictureSize size);
+    explicit GlWindow(std::optional<PictureSize> size);
     ~GlWindow();
     GlWindow(const GlWindow&) = delete;
     GlWindow& operator=(const GlWindow&) = delete;
 
     bool is_closing() const;
     void close();
+    void hide();
     double seconds() const;  ///< Since the window was made.
     void set_title(const std::string& title);
     /// Keys, by GLFW's numbers, that went down or were repeated since the last call. (Dear ImGui forgets those that went up

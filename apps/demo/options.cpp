@@ -243,7 +243,7 @@ void check_pictures(const CLI::App& app, Options& options, const Texts& texts) {
 }  // namespace
 
 std::optional<Options> parse_options(int argc, char** argv) {
-    CLI::App app("Plays an animated scene by tracing rays, in a window or into pictures.", "zoetrope-demo");
+    CLI::App app("Plays an animated scene by tracing rays, in a window or into pictures.", kProgram);
     Options options;
     Texts texts;
     Flags flags;

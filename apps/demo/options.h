@@ -17,6 +17,8 @@
 
 namespace zoe {
 
+constexpr const char* kProgram = "zoetrope-demo";
+
 /// What lights a scene from all around. kByLights: see choose_sky.
 enum class Sky : uint8_t { kByLights, kPhysical, kPlain, kColor, kFile };
 

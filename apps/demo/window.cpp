@@ -1,55 +1,25 @@
 #include "apps/demo/window.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "apps/common/interrupt.h"
 #include "apps/common/write_file.h"
-#include "apps/demo/first_view.h"
 #include "apps/demo/window_panels.h"
 #include "apps/demo/window_state.h"
 
 namespace zoe {
 namespace {
 
-constexpr PictureSize kDefaultSize{1280, 720};
 constexpr int kDefaultMaxSamples = 1024;
-
-/// The scene at time 0, and the view that was asked for.
-WindowState first_state(Content& content, const Options& options) {
-    const ViewChoice choice = first_view(content, options);
-    const Tlas& tlas = advance(content, 0.0, nullptr);
-    WindowState state = make_window_state(options.scene, content.scene, tlas);
-    state.fps = options.fps;
-    state.shade = options.shade;
-    state.grade = options.grade;
-    state.environment = options.environment.get();
-    const auto is_chosen = [&](const WindowState::CameraChoice& camera) { return camera.node == choice.camera; };
-    const auto camera = std::find_if(state.cameras.begin(), state.cameras.end(), is_chosen);
-    if (camera != state.cameras.end()) state.camera = static_cast<int>(camera - state.cameras.begin());
-    const float aspect = float(kDefaultSize.width) / kDefaultSize.height;
-    const Aabb bounds = choice.bounds.is_empty() ? tlas.bounds() : choice.bounds;
-    state.orbit = orbit_from_view(choice.view(content.scene, aspect), bounds);
-    if (choice.look_at) state.orbit.target = choice.look_at->target;
-    if (choice.look_at) state.orbit.distance = glm::distance(choice.look_at->eye, choice.look_at->target);
-    state.first_orbit = state.orbit;
-    return state;
-}
-
-/// Takes what the render thread has made.
-void take_picture(LiveRenderer& renderer, GlWindow& window, WindowState& state, double* last_new_s) {
-    if (!renderer.take(&state.picture)) return;
-    window.set_texture(state.picture.width, state.picture.height, state.picture.rgba.data());
-    state.note_picture();
-    if (!state.picture.is_new_frame) return;
-    const double elapsed_s = window.seconds() - *last_new_s;
-    *last_new_s = window.seconds();
-    const double rate = elapsed_s > 1e-6 ? 1.0 / elapsed_s : 0.0;
-    state.frames_a_second = state.frames_a_second > 0.0 ? 0.9 * state.frames_a_second + 0.1 * rate : rate;
-}
 
 /// The first name of its kind that is free in the current folder.
 std::filesystem::path free_name() {
@@ -70,43 +40,100 @@ void end_frame(GlWindow& window, WindowState& state) {
     }
 }
 
-}  // namespace
+/// What the window shows, and what is being opened to be shown next.
+class Viewer {
+public:
+    Viewer(GlWindow& window, const Options& options) : window_(window), options_(options) { begin_opening(options); }
 
-PictureSize first_window_size(const Options& options) {
-    return options.size.value_or(kDefaultSize);
-}
+    bool is_closing() const { return window_.is_closing() || state_.is_closing; }
 
-std::string run_window(GlWindow& window, Content& content, const Options& options, const std::string& message) {
-    window.set_title("Zoetrope: " + one_line(options.scene));
-    WindowState state = first_state(content, options);
-    state.texture = window.texture();
-    state.message = message;
-
-    catch_interrupts();
-    LiveRenderer renderer(content, options.spp.value_or(kDefaultMaxSamples), &GlWindow::wake);
-    double last_s = window.seconds(), last_new_s = last_s;
-    const double begin_s = last_s;
-    while (!window.is_closing() && !state.is_closing) {
-        if (std::string dropped = window.take_dropped(); !dropped.empty()) return dropped;
-        if (is_interrupted()) throw Interrupted("interrupted");
-        window.begin_frame(state.is_playing ? 1.0 / 60.0 : 0.1);
-        const double now_s = window.seconds();
-        state.play(std::min(now_s - last_s, 0.25));  // after a stall, the animation goes on from where it was
-        last_s = now_s;
-        take_picture(renderer, window, state, &last_new_s);
-        draw_panels(state, window.take_keys());
-        renderer.ask(state.request());
+    /// One frame of the interface.
+    void step() {
+        if (std::string dropped = window_.take_dropped(); !dropped.empty()) dropped_ = std::move(dropped);
+        if (opening_.valid() && opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) show_opened();
+        if (!opening_.valid() && !dropped_.empty()) begin_opening(options_for(options_, std::exchange(dropped_, {})));
+        window_.begin_frame(renderer_ && state_.is_playing ? 1.0 / 60.0 : 0.1);
+        const double now_s = window_.seconds();
+        const double elapsed_s = now_s - std::exchange(state_.now_s, now_s);
+        if (renderer_) state_.play(std::min(elapsed_s, 0.25));  // after a stall, the animation goes on from where it was
+        if (renderer_ && renderer_->take(&state_.picture)) {
+            window_.set_texture(state_.picture.width, state_.picture.height, state_.picture.rgba.data());
+            state_.note_picture();
+        }
+        draw_panels(state_, window_.take_keys());
+        if (renderer_) renderer_->ask(state_.request());
 
         const bool takes_screenshot =
-            options.screenshot && now_s - begin_s >= options.screenshot_after_s && state.picture.width > 0;
-        if (takes_screenshot) {
-            window.end_frame(*options.screenshot);
-            window.close();
-        } else {
-            end_frame(window, state);
-        }
+            options_.screenshot && state_.picture.width > 0 && now_s - begin_s_ >= options_.screenshot_after_s;
+        if (!takes_screenshot) return end_frame(window_, state_);
+        window_.end_frame(*options_.screenshot);
+        window_.close();
     }
-    return "";
+
+    /// Takes the window away, then waits for what runs beside it.
+    void close() {
+        window_.hide();
+        end_scene();
+    }
+
+private:
+    void begin_opening(Options options) {
+        state_.opening = one_line(options.scene);
+        opening_ = std::async(std::launch::async, [options = std::move(options)] {
+            std::unique_ptr<Opened> opened = open(options);
+            WindowState state = first_state(*opened);
+            return std::pair(std::move(opened), std::move(state));
+        });
+    }
+
+    /// What cannot be shown leaves the scene that is there as it is.
+    void show_opened() {
+        state_.opening.clear();
+        try {
+            auto [opened, state] = opening_.get();
+            end_scene();
+            opened_ = std::move(opened);
+            state.is_help_shown = state_.is_help_shown;
+            state_ = std::move(state);
+        } catch (const std::runtime_error& error) {
+            if (!opened_) throw;
+            state_.message = one_line(error.what());
+            std::fputs(fmt::format("{}: {}\n", kProgram, state_.message).c_str(), stderr);
+            return;
+        }
+        begin_s_ = state_.now_s = window_.seconds();
+        state_.texture = window_.texture();
+        window_.set_title("Zoetrope: " + state_.scene_name);
+        print_warnings(kProgram, opened_->content.scene, &printed_);
+        catch_interrupts();
+        renderer_.emplace(opened_->content, opened_->options.spp.value_or(kDefaultMaxSamples), &GlWindow::wake);
+    }
+
+    void end_scene() {
+        renderer_.reset();
+        if (opened_) print_warnings(kProgram, opened_->content.scene, &printed_);
+        printed_.clear();
+    }
+
+    GlWindow& window_;
+    const Options& options_;
+    WindowState state_;
+    std::unique_ptr<Opened> opened_;
+    std::optional<LiveRenderer> renderer_;
+    std::vector<std::string> printed_;  // warnings of the scene
+    double begin_s_ = 0.0;              // when it was first shown
+    std::string dropped_;               // to be opened; of several, the latest
+    std::future<std::pair<std::unique_ptr<Opened>, WindowState>> opening_;
+};
+
+}  // namespace
+
+void run_window(GlWindow& window, const Options& options) {
+    window.set_title("Zoetrope: " + one_line(options.scene));
+    Viewer viewer(window, options);
+    while (!viewer.is_closing() && !is_interrupted()) viewer.step();
+    viewer.close();
+    if (is_interrupted()) throw Interrupted("interrupted");
 }
 
 }  // namespace zoe

@@ -1,84 +1,32 @@
 #include "apps/demo/window_panels.h"
 
 #include <algorithm>
-#include <cfloat>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
 
-#include <GLFW/glfw3.h>
 #include <imgui.h>
+
+#include "apps/demo/window_keys.h"
 
 namespace zoe {
 namespace {
 
-constexpr const char* kShadeNames[] = {"path", "albedo", "normal", "motion", "cost"};
-constexpr int kShadeCount = 5;
+constexpr const char* kShadeNames[kShadeCount] = {"path", "albedo", "normal", "motion", "cost"};
 constexpr float kClickDistance = 3.0f;  // A button that was moved farther was a drag.
 
-constexpr const char* kKeys[][2] = {
+constexpr const char* kMouseUses[][2] = {
     {"left drag", "orbit"},
     {"left click", "pick a node; on the sky: none"},
     {"middle drag, shift + drag", "pan"},
     {"wheel", "zoom"},
-    {"space", "play, pause"},
-    {"left, right", "one frame back, on"},
-    {"home", "to the start"},
-    {"1 to 5", "shade: path, albedo, normal, motion, cost"},
-    {"C", "next camera"},
-    {"R", "the first view again"},
-    {"F12", "save the window as a picture"},
     {"a file dropped here", "is opened"},
-    {"F1", "these keys"},
-    {"escape", "close"},
 };
 
-void next_camera(WindowState& state) {
-    if (state.camera + 1 < static_cast<int>(state.cameras.size())) {
-        ++state.camera;
-    } else {
-        state.free_camera();
-    }
-}
-
-void use_key(WindowState& state, int key) {
-    if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + kShadeCount) state.shade = static_cast<Shade>(key - GLFW_KEY_1);
-    switch (key) {
-        case GLFW_KEY_SPACE:
-            state.is_playing = !state.is_playing;
-            break;
-        case GLFW_KEY_LEFT:
-            state.step(-1);
-            break;
-        case GLFW_KEY_RIGHT:
-            state.step(1);
-            break;
-        case GLFW_KEY_HOME:
-            state.time_s = 0.0;
-            break;
-        case GLFW_KEY_C:
-            next_camera(state);
-            break;
-        case GLFW_KEY_R:
-            state.orbit = state.first_orbit;
-            state.camera = -1;
-            break;
-        case GLFW_KEY_F1:
-            state.is_help_shown = !state.is_help_shown;
-            break;
-        case GLFW_KEY_F12:
-            state.saves_picture = true;
-            break;
-        case GLFW_KEY_ESCAPE:
-            state.is_closing = true;
-            break;
-    }
-}
-
 /// Orbit, pan and zoom, with the mouse over the picture.
-void use_mouse(WindowState& state) {
+/// height     of the picture, in units of the interface.
+void use_mouse(WindowState& state, float height) {
     const ImGuiIO& io = ImGui::GetIO();
-    const float height = static_cast<float>(state.picture_height);
     const bool is_turning = ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1.0f) && !io.KeyShift;
     const bool is_panning = ImGui::IsItemActive() && (ImGui::IsMouseDragging(ImGuiMouseButton_Middle, 1.0f) ||
                                                       (ImGui::IsMouseDragging(ImGuiMouseButton_Left, 1.0f) && io.KeyShift));
@@ -95,12 +43,12 @@ void use_mouse(WindowState& state) {
 }
 
 void draw_picture(WindowState& state, const ImVec2& size) {
-    state.picture_width = static_cast<int>(size.x);
-    state.picture_height = static_cast<int>(size.y);
+    const ImGuiIO& io = ImGui::GetIO();
+    state.picture_width = static_cast<int>(size.x * io.DisplayFramebufferScale.x);
+    state.picture_height = static_cast<int>(size.y * io.DisplayFramebufferScale.y);
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::InvisibleButton("picture", size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonMiddle);
-    use_mouse(state);
-    const ImGuiIO& io = ImGui::GetIO();
+    use_mouse(state, size.y);
     const bool is_click = ImGui::IsItemDeactivated() && io.MouseReleased[ImGuiMouseButton_Left] &&
                           io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] < kClickDistance * kClickDistance;
     if (is_click) state.pick((io.MousePos.x - corner.x) / size.x, (io.MousePos.y - corner.y) / size.y);
@@ -153,52 +101,7 @@ void draw_counts(const WindowState& state) {
     ImGui::Text("light      %dx%d", picture.light_width, picture.light_height);
     ImGui::Text("samples    %d%s", picture.sample_count, picture.is_finished ? ", done" : "");
     ImGui::Text("rays       %.2f million a second", rays_a_second);
-    ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second : 0.0);
-}
-
-void draw_motion_choice(WindowState& state, const NodeReport& report) {
-    const auto forced =
-        std::ranges::find(state.motions, state.picked, [](const auto& entry) { return std::optional(entry.first); });
-    const bool is_forced = forced != state.motions.end();
-    ImGui::SetNextItemWidth(-1.0f);
-    if (!ImGui::BeginCombo("##motion", is_forced ? name(forced->second) : "class as the scene says")) return;
-    if (ImGui::Selectable("class as the scene says", !is_forced)) state.force_motion({});
-    for (int k = static_cast<int>(report.content); k < kMotionCount; ++k) {
-        const auto motion = static_cast<Motion>(k);
-        if (ImGui::Selectable(name(motion), is_forced && forced->second == motion)) state.force_motion(motion);
-    }
-    ImGui::EndCombo();
-}
-
-void draw_node(WindowState& state) {
-    if (!state.picked) {
-        ImGui::TextDisabled("click on something to pick a node");
-        return;
-    }
-    const std::optional<PickedNode>& picked = state.picture.picked;
-    if (!picked || picked->node != state.picked) return;  // Its report is on the way.
-    const NodeReport& report = picked->report;
-    ImGui::Text("node %u  %s", index(picked->node), one_line(picked->name).c_str());
-    draw_motion_choice(state, report);
-    ImGui::Text("%s; its content is %s", name(report.motion), name(report.content));
-    if (!report.has_tree) return;
-    ImGui::Text("triangles  %8u  vertices %u", report.triangle_count, report.vertex_count);
-    ImGui::Text("tree       %s, %s", report.is_shared ? "shared" : "its own", name(report.action));
-    ImGui::Text("cost       %8.1f tests a ray", report.tree_cost);
-    std::vector<float> losses;
-    std::string actions;
-    for (const WindowState::NodeFrame& frame : state.node_history) {
-        losses.push_back(100.0f * frame.loss);
-        actions += frame.action == TreeAction::kKept ? '.' : frame.action == TreeAction::kRefitted ? 'f' : 'R';
-    }
-    if (losses.empty()) return;
-    char text[32];
-    std::snprintf(text, sizeof text, "loss %.1f %%", losses.back());
-    ImGui::PlotLines("##loss", losses.data(), static_cast<int>(losses.size()), 0, text, 0.0f, FLT_MAX,
-                     {ImGui::GetContentRegionAvail().x, 3.0f * ImGui::GetFontSize()});
-    const size_t room = static_cast<size_t>(ImGui::GetContentRegionAvail().x / ImGui::CalcTextSize("f").x);
-    ImGui::TextUnformatted(actions.c_str() + (actions.size() > room ? actions.size() - room : 0));
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("its tree, frame by frame: . kept, f refitted, R rebuilt");
+    ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second() : 0.0);
 }
 
 void draw_timeline(WindowState& state) {
@@ -218,18 +121,27 @@ void draw_timeline(WindowState& state) {
     }
 }
 
+void draw_note(const std::string& text) {
+    ImGui::Separator();
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopTextWrapPos();
+}
+
 void draw_help(WindowState& state) {
     const ImGuiViewport* const viewport = ImGui::GetMainViewport();
     ImGui::SetNextWindowPos(viewport->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
     if (ImGui::Begin("keys", &state.is_help_shown, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse)) {
         if (ImGui::BeginTable("keys", 2)) {
-            for (const auto& [key, what] : kKeys) {
+            const auto row = [](const char* input, const char* what) {
                 ImGui::TableNextRow();
                 ImGui::TableNextColumn();
-                ImGui::TextUnformatted(key);
+                ImGui::TextUnformatted(input);
                 ImGui::TableNextColumn();
                 ImGui::TextUnformatted(what);
-            }
+            };
+            for (const auto& [input, what] : kMouseUses) row(input, what);
+            for (const KeyUse& key : key_uses()) row(key.name, key.what);
             ImGui::EndTable();
         }
     }
@@ -242,9 +154,9 @@ void draw_panels(WindowState& state, std::span<const int> keys) {
     if (!ImGui::GetIO().WantTextInput) {
         for (const int key : keys) use_key(state, key);
     }
-    const ImGuiViewport* const viewport = ImGui::GetMainViewport();
     const float font = ImGui::GetFontSize();
     const float panel_width = 20.0f * font, timeline_height = ImGui::GetFrameHeightWithSpacing();
+    const ImGuiViewport* const viewport = ImGui::GetMainViewport();
     ImGui::SetNextWindowPos(viewport->Pos);
     ImGui::SetNextWindowSize(viewport->Size);
     ImGui::Begin("zoetrope", nullptr,
@@ -261,6 +173,8 @@ void draw_panels(WindowState& state, std::span<const int> keys) {
     ImGui::BeginChild("panel", {panel_width, picture_size.y});
     ImGui::TextUnformatted(state.scene_name.c_str());
     ImGui::TextDisabled("F1 shows the keys");
+    if (!state.opening.empty()) draw_note("opening " + state.opening);
+    if (!state.message.empty()) draw_note(state.message);
     ImGui::Separator();
     draw_choices(state);
     ImGui::Separator();
@@ -269,12 +183,6 @@ void draw_panels(WindowState& state, std::span<const int> keys) {
     draw_stage_graph(state.history);
     ImGui::Separator();
     draw_counts(state);
-    if (!state.message.empty()) {
-        ImGui::Separator();
-        ImGui::PushTextWrapPos(0.0f);
-        ImGui::TextUnformatted(state.message.c_str());
-        ImGui::PopTextWrapPos();
-    }
     ImGui::EndChild();
     draw_timeline(state);
     ImGui::End();

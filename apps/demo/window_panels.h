@@ -11,6 +11,9 @@ namespace zoe {
 /// keys       that went down since the last call, by GLFW's numbers.
 void draw_panels(WindowState& state, std::span<const int> keys);
 
+/// What is known of the picked node, and a choice of its class.
+void draw_node(WindowState& state);
+
 /// The five stage times of the latest frames as lines, on a logarithmic scale, and the newest as numbers.
 void draw_stage_graph(const std::deque<FrameStats>& history);
 

@@ -6,12 +6,37 @@
 #include <fmt/format.h>
 
 #include "apps/common/stats_json.h"
+#include "apps/demo/first_view.h"
+#include "apps/demo/gl_window.h"
 
 namespace zoe {
 namespace {
 
 /// How long the timeline is for scenes in which nothing repeats.
 constexpr double kOpenEndS = 10.0;
+
+void add_clips(const Scene& scene, WindowState* state) {
+    state->clips.clear();
+    // Whatever no clip moves (sequences, written meshes) plays beside each of them.
+    std::vector<ClipId> all;
+    for (uint32_t i = 0; i < scene.clips.size(); ++i) {
+        const std::string& clip_name = scene.clips[i].name;
+        state->clips.push_back({clip_name.empty() ? fmt::format("clip {}", i) : one_line(clip_name), {ClipId{i}}, 0.0});
+        all.push_back(ClipId{i});
+    }
+    if (all.size() != 1) state->clips.push_back({all.empty() ? "no clips" : "all", all, 0.0});
+    const auto plays_now = [&](const WindowState::ClipChoice& choice) { return choice.clips == scene.playback.clips; };
+    auto chosen = std::find_if(state->clips.begin(), state->clips.end(), plays_now);
+    if (chosen == state->clips.end()) {
+        chosen = state->clips.insert(state->clips.begin(), {"as the scene says", scene.playback.clips, 0.0});
+    }
+    state->clip = static_cast<size_t>(chosen - state->clips.begin());
+
+    for (WindowState::ClipChoice& choice : state->clips) {
+        choice.duration_s = duration_s(scene, choice.clips);
+        if (choice.duration_s <= 0.0) choice.duration_s = kOpenEndS;
+    }
+}
 
 }  // namespace
 
@@ -73,6 +98,8 @@ void WindowState::force_motion(std::optional<Motion> motion) {
 
 void WindowState::note_picture() {
     if (!picture.is_new_frame) return;
+    shown_s.push_back(now_s);
+    while (shown_s.size() > 2 && shown_s[1] < now_s - 1.0) shown_s.pop_front();
     history.push_back(picture.stats);
     if (history.size() > kHistorySize) history.pop_front();
     if (!picture.picked || picture.picked->node != picked) return;
@@ -82,37 +109,44 @@ void WindowState::note_picture() {
     if (node_history.size() > kHistorySize) node_history.pop_front();
 }
 
-WindowState make_window_state(const std::string& name, const Scene& scene, const Tlas& tlas) {
+double WindowState::frames_a_second() const {
+    if (shown_s.size() < 2) return 0.0;
+    const double count = static_cast<double>(shown_s.size() - 1);
+    const double until_last_s = shown_s.back() - shown_s.front();
+    // A frame that is late counts against the rate from when it was due.
+    const double due_s = shown_s.back() + until_last_s / count;
+    const double elapsed_s = until_last_s + std::max(0.0, now_s - due_s);
+    return elapsed_s > 0.0 ? count / elapsed_s : 0.0;
+}
+
+WindowState first_state(Opened& opened) {
+    const Options& options = opened.options;
+    const Scene& scene = opened.content.scene;
+    const ViewChoice choice = first_view(opened.content, options);
+    const Tlas& tlas = advance(opened.content, 0.0, nullptr);
+
     WindowState state;
-    state.scene_name = one_line(name);
-    const RunStats run = describe_run(name, scene, tlas);
+    state.scene_name = one_line(options.scene);
+    const RunStats run = describe_run(options.scene, scene, tlas);
     state.node_count = run.node_count;
     state.triangle_count = run.triangle_count;
     state.is_looping = scene.playback.is_looping;
-
-    // Whatever no clip moves (sequences, written meshes) plays beside each of them.
-    std::vector<ClipId> all;
-    for (uint32_t i = 0; i < scene.clips.size(); ++i) {
-        const std::string& clip_name = scene.clips[i].name;
-        state.clips.push_back({clip_name.empty() ? fmt::format("clip {}", i) : one_line(clip_name), {ClipId{i}}, 0.0});
-        all.push_back(ClipId{i});
-    }
-    if (all.size() != 1) state.clips.push_back({all.empty() ? "no clips" : "all", all, 0.0});
-    const auto plays_now = [&](const WindowState::ClipChoice& choice) { return choice.clips == scene.playback.clips; };
-    auto chosen = std::find_if(state.clips.begin(), state.clips.end(), plays_now);
-    if (chosen == state.clips.end()) {
-        chosen = state.clips.insert(state.clips.begin(), {"as the scene says", scene.playback.clips, 0.0});
-    }
-    state.clip = static_cast<size_t>(chosen - state.clips.begin());
-
-    for (WindowState::ClipChoice& choice : state.clips) {
-        choice.duration_s = duration_s(scene, choice.clips);
-        if (choice.duration_s <= 0.0) choice.duration_s = kOpenEndS;
-    }
+    state.fps = options.fps;
+    state.shade = options.shade;
+    state.grade = options.grade;
+    state.environment = options.environment.get();
+    add_clips(scene, &state);
     for (const NodeId node : camera_nodes(scene)) {
         const std::string camera = camera_name(scene, node);
+        if (node == choice.camera) state.camera = static_cast<int>(state.cameras.size());
         state.cameras.push_back({camera.empty() ? fmt::format("camera {}", state.cameras.size()) : one_line(camera), node});
     }
+    const float aspect = float(kDefaultWindowSize.width) / kDefaultWindowSize.height;
+    const Aabb bounds = choice.bounds.is_empty() ? tlas.bounds() : choice.bounds;
+    state.orbit = orbit_from_view(choice.view(scene, aspect), bounds);
+    if (choice.look_at) state.orbit.target = choice.look_at->target;
+    if (choice.look_at) state.orbit.distance = glm::distance(choice.look_at->eye, choice.look_at->target);
+    state.first_orbit = state.orbit;
     return state;
 }
 

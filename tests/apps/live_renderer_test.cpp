@@ -1,12 +1,13 @@
 #include "apps/demo/live_renderer.h"
 
+#include <algorithm>
 #include <chrono>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "engine/scene/srgb.h"
 #include "tests/apps/lid_scene.h"
+#include "tests/apps/run_program.h"
 
 namespace zoe::test {
 namespace {
@@ -21,11 +22,7 @@ LivePicture show(LiveRenderer& renderer, const LiveRequest& request) {
         return renderer.take(&picture) && picture.time_s == request.time_s &&
                (request.picked ? picture.picked && picture.picked->node == *request.picked : !picture.picked);
     };
-    for (int wait = 0; wait < 60'000; ++wait) {
-        if (is_it()) return picture;
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    ADD_FAILURE() << "no picture of " << request.time_s << " s";
+    EXPECT_TRUE(wait_until(is_it)) << "no picture of " << request.time_s << " s";
     return picture;
 }
 
@@ -154,6 +151,52 @@ TEST(LiveRenderer, AForcedClassIsSeenAndTakenBack) {
         if (own.empty()) own = color;
         EXPECT_EQ(color == own, !is_forced);
     }
+}
+
+/// While a large picture is refined, an edit does not wait for the pass that is running, and the interface for nothing.
+TEST(LiveRenderer, AnEditRestartsThePictureWithoutWaiting) {
+    using Clock = std::chrono::steady_clock;
+    const auto ms_since = [](Clock::time_point begin) {
+        return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    };
+    LidScene scene;
+    LiveRenderer renderer(scene.content, 1000, [] {});
+    LiveRequest request = playing(scene);
+    request.is_playing = false;
+    request.width = 480;
+    request.height = 300;
+    double longest_call_ms = 0.0;
+    LivePicture picture;
+    const auto take = [&] {
+        const Clock::time_point begin = Clock::now();
+        const bool is_new = renderer.take(&picture);
+        longest_call_ms = std::max(longest_call_ms, ms_since(begin));
+        return is_new;
+    };
+    const auto wait_for = [&](int sample_count) {
+        EXPECT_TRUE(wait_until([&] {
+            return take() && picture.time_s == request.time_s && picture.width == request.width &&
+                   picture.sample_count >= sample_count;
+        }));
+    };
+    renderer.ask(request);
+    wait_for(1);
+    const Clock::time_point pass_begin = Clock::now();
+    wait_for(2);
+    const double pass_ms = ms_since(pass_begin);
+
+    std::vector<double> edit_ms;
+    for (int edit = 0; edit < 3; ++edit) {
+        wait_for(1);  // the next pass has begun
+        request.time_s += 0.1;
+        const Clock::time_point begin = Clock::now();
+        renderer.ask(request);
+        longest_call_ms = std::max(longest_call_ms, ms_since(begin));
+        EXPECT_TRUE(wait_until([&] { return take() && picture.time_s == request.time_s; }));
+        edit_ms.push_back(ms_since(begin));
+    }
+    EXPECT_LT(*std::ranges::min_element(edit_ms), pass_ms / 3.0);
+    EXPECT_LT(longest_call_ms, pass_ms / 3.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -86,13 +88,29 @@ bool RunningProgram::catches(int signal) const {
     return (std::stoull(status.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
 }
 
+std::string RunningProgram::out() const {
+    return read_text(temp_ / "out");
+}
+
+std::string RunningProgram::err() const {
+    return read_text(temp_ / "err");
+}
+
 Outcome RunningProgram::wait() {
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
     }
     pid_ = -1;
-    return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), read_text(temp_ / "out"),
-            read_text(temp_ / "err")};
+    return {WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status), out(), err()};
+}
+
+bool wait_until(const std::function<bool()>& holds) {
+    const auto begin = std::chrono::steady_clock::now();
+    while (!holds()) {
+        if (std::chrono::steady_clock::now() - begin > std::chrono::seconds(60)) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return true;
 }
 
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ public:
     void send(int signal) const;
     /// Whether it has asked to handle a signal by itself.
     bool catches(int signal) const;
+    /// What it has printed so far.
+    std::string out() const;
+    std::string err() const;
     /// Waits for its end.
     Outcome wait();
 
@@ -36,6 +40,10 @@ private:
     const TempFolder temp_;
     int pid_ = -1;
 };
+
+/// Looks again and again until it holds, for a minute at most.
+/// Returns    whether it does.
+bool wait_until(const std::function<bool()>& holds);
 
 /// Runs a program as RunningProgram does, and waits for its end.
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder,
