@@ -1,169 +1,244 @@
+// The demo's window on a virtual screen: it is sent input, and what it shows is looked at.
+
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
+#include <memory>
+#include <set>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
+#include <glm/vec2.hpp>
 
 #include "engine/scene/image.h"
-#include "tests/apps/run_program.h"
 #include "tests/apps/small_scene.h"
+#include "tests/apps/virtual_screen.h"
 
 namespace zoe::test {
 namespace {
 
-/// Starts the demo's window on a virtual display.
-Outcome run_window(const TempFolder& folder, const std::vector<std::string>& options) {
-    std::vector<std::string> arguments = {"xvfb-run", "-a", "-s", "-screen 0 800x600x24", ZOETROPE_DEMO, "scene.gltf"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    // The graphics driver never frees some of what it allocates; that is not this program's.
-    return run_program(arguments, folder.path(), {"WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-}
+constexpr uint32_t kOutline = 0xffa000;
 
-bool has_xvfb() {
-    try {
-        return run_program({"xvfb-run", "--help"}, "/").exit_code == 0;
-    } catch (const std::runtime_error&) {
-        return false;
-    }
-}
-
-TEST(Window, ShowsThePictureAndThePanel) {
-    if (!has_xvfb()) GTEST_SKIP() << "xvfb-run is not installed";
+/// The small scene in a window that fills a screen; its two triangles face the camera.
+class ShownWindow {
+public:
+    const int width, height;
     const TempFolder folder;
-    write_small_scene(folder);
-    const Outcome outcome =
-        run_window(folder, {"--size", "640x400", "--shade", "motion", "--screenshot", "window.png", "--after", "1"});
+    const VirtualScreen screen;
+
+    /// dots       an inch of the screen has.
+    explicit ShownWindow(int w = 640, int h = 400, int dots = 96)
+        : width(w), height(h), screen(w, h), picture_width_(w - 284 * dots / 96), picture_height_(h - 39 * dots / 96) {
+        write_small_scene(folder);
+        set_dots_per_inch(screen.display(), dots);
+    }
+
+    void start(const std::string& scene = "scene.gltf", const std::vector<std::string>& options = {"--shade", "motion"}) {
+        std::vector<std::string> arguments = {scene, "--spp", "1", "--size",
+                                              std::to_string(width) + "x" + std::to_string(height)};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        program_ = std::make_unique<RunningProgram>(demo_command(arguments), folder.path(), environment());
+    }
+    std::vector<std::string> environment() const {
+        std::vector<std::string> all = screen.environment();
+        all.push_back("ASAN_OPTIONS=detect_leaks=0");  // The graphics driver never frees some of what it allocates.
+        return all;
+    }
+    RunningProgram& program() { return *program_; }
+
+    /// The part of the screen where the picture is, without what its edges may share with other things.
+    Screenful picture() const { return screen.read().part(kEdge, kEdge, picture_width_ - kEdge, picture_height_ - kEdge); }
+    bool wait(const std::function<bool(const Screenful& picture)>& holds) const {
+        return wait_until([&] { return holds(picture()); });
+    }
+    /// Stops the animation at time 0, and waits until nothing moves any more.
+    Screenful rest() {
+        EXPECT_TRUE(wait([](const Screenful& shown) { return shown.color_count() >= 3; })) << "two classes and the sky";
+        screen.send({"mousemove", "20", "20", "key", "space", "Home"});
+        Screenful last = screen.read();
+        int same_count = 0;
+        wait_until([&] {
+            const Screenful now = screen.read();
+            same_count = now == last ? same_count + 1 : 0;
+            last = now;
+            return same_count == 30;
+        });
+        return picture();
+    }
+
+    /// Where something that is not the sky is seen with its colour all around: the lowest such place, or the highest.
+    /// There is the triangle that rests, or the one that turns.
+    static glm::ivec2 find_resting(const Screenful& shown) { return find(shown, true); }
+    static glm::ivec2 find_turning(const Screenful& shown) { return find(shown, false); }
+    /// place      in the picture.
+    void click(glm::ivec2 place) const {
+        screen.send({"mousemove", std::to_string(place.x + kEdge), std::to_string(place.y + kEdge), "click", "1"});
+    }
+
+private:
+    static constexpr int kEdge = 20;
+
+    static glm::ivec2 find(const Screenful& shown, bool is_from_below) {
+        for (int row = 8; row < shown.height - 8; ++row) {
+            const int y = is_from_below ? shown.height - 1 - row : row;
+            for (int x = 8; x < shown.width - 8; ++x) {
+                const uint32_t color = shown.at(x, y);
+                const bool is_inside = color == shown.at(x - 8, y) && color == shown.at(x + 8, y) &&
+                                       color == shown.at(x, y - 8) && color == shown.at(x, y + 8);
+                if (is_inside && !is_near(color, shown.at(0, 0))) return {x, y};
+            }
+        }
+        throw std::runtime_error("nothing is seen");
+    }
+
+    int picture_width_, picture_height_;
+    std::unique_ptr<RunningProgram> program_;
+};
+
+class Window : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!VirtualScreen::is_there()) GTEST_SKIP() << "Xvfb or xdotool is not installed";
+    }
+};
+
+TEST_F(Window, ShowsThePictureAndThePanel) {
+    const ShownWindow window;
+    const Outcome outcome = run_program(demo_command({"scene.gltf", "--size", "640x400", "--shade", "motion", "--screenshot",
+                                                      "window.png", "--after", "0.5"}),
+                                        window.folder.path(), window.environment());
     ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-    const FloatImage image = read_picture(folder / "window.png");
+    const FloatImage image = read_picture(window.folder / "window.png");
     ASSERT_EQ(image.width, 640);
     ASSERT_EQ(image.height, 400);
     const auto color_count = [&](int x_begin, int x_end) {
-        std::vector<std::vector<float>> colors;
-        const size_t channels = image.channels.size();
+        std::set<std::vector<float>> colors;
         for (int y = 0; y < image.height; ++y) {
             for (int x = x_begin; x < x_end; ++x) {
-                const float* const p = &image.values[(size_t{1} * y * image.width + x) * channels];
-                colors.push_back({p[0], p[1], p[2]});
+                const float* const p = &image.values[(size_t{1} * y * image.width + x) * image.channels.size()];
+                colors.insert({p[0], p[1], p[2]});
             }
         }
-        std::sort(colors.begin(), colors.end());
-        return std::unique(colors.begin(), colors.end()) - colors.begin();
+        return colors.size();
     };
-    EXPECT_GE(color_count(0, 340), 3);    // two classes and the sky
-    EXPECT_GE(color_count(380, 640), 8);  // text, graph, buttons
-    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-    EXPECT_FALSE(std::filesystem::exists(folder / "imgui.ini"));
+    EXPECT_GE(color_count(0, 340), 3u);    // two classes and the sky
+    EXPECT_GE(color_count(380, 640), 8u);  // text, graph, buttons
+    EXPECT_FALSE(std::filesystem::exists(window.folder / "out"));
+    EXPECT_FALSE(std::filesystem::exists(window.folder / "imgui.ini"));
 }
 
-bool has_xdotool() {
-    try {
-        return run_program({"xdotool", "-v"}, "/").exit_code == 0;
-    } catch (const std::runtime_error&) {
-        return false;
-    }
-}
-
-/// Starts the demo's window, sends it input, and saves it with F12. The small scene's two triangles face the camera.
-/// input      commands of xdotool, one a line. start: the same, before them; paused and at time 0, unless told.
-FloatImage window_after(const TempFolder& folder, const std::string& input,
-                        const std::string& start = "xdotool key space\nsleep 0.5\nxdotool key Home\nsleep 0.5\n") {
-    // On a loaded machine all takes longer: each picture is waited for, and the last of three counts.
-    const std::string script = "set -e\n" + std::string(ZOETROPE_DEMO) +
-                               " scene.gltf --size 640x400 --shade motion --spp 1 --screenshot end.png --after 40 &\n"
-                               "xdotool search --sync --onlyvisible --name Zoetrope >window.txt\n"
-                               "sleep 1\n" +
-                               start + input +
-                               "for k in 0 1 2; do\n"
-                               "  sleep 0.5\n  xdotool key F12\n"
-                               "  for wait in $(seq 100); do [ -e zoetrope_000$k.png ] || sleep 0.1; done\n"
-                               "done\nxdotool key Escape\nwait $!\n";
-    folder.write("script.sh", script);
-    const Outcome outcome = run_program({"xvfb-run", "-a", "-s", "-screen 0 640x400x24", "sh", "script.sh"}, folder.path(),
-                                        {"WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-    return read_picture(folder / "zoetrope_0002.png");
-}
-
-/// Pixels whose colour is near, in [x_begin, x_end).
-int count_color(const FloatImage& image, const glm::vec3& color, int x_begin, int x_end) {
-    int count = 0;
-    for (int y = 0; y < image.height; ++y) {
-        for (int x = x_begin; x < x_end; ++x) {
-            const float* const p = &image.values[(size_t{1} * y * image.width + x) * image.channels.size()];
-            count += glm::distance(glm::vec3(p[0], p[1], p[2]), color) < 0.02f;
-        }
-    }
-    return count;
-}
-
-constexpr glm::vec3 kOutline(1.0f, 160.0f / 255.0f, 0.0f);
-constexpr int kRight = 340;  // Left of it is the picture.
-
-/// A command that moves the mouse to where something is seen that is neither sky nor edge: a class's colour with itself all
-/// around. The lowest such place: there is the triangle that rests.
-std::string move_to_something(const FloatImage& image) {
-    const auto color_at = [&](int x, int y) {
-        return &image.values[(size_t{1} * y * image.width + x) * image.channels.size()];
-    };
-    const auto is_same = [&](int x, int y, int dx, int dy) {
-        return std::equal(color_at(x, y), color_at(x, y) + 3, color_at(x + dx, y + dy));
-    };
-    const float* const sky = color_at(12, 12);
-    for (int y = 340; y >= 20; --y) {
-        for (int x = 20; x < kRight - 20; ++x) {
-            const bool is_inside =
-                is_same(x, y, 8, 0) && is_same(x, y, -8, 0) && is_same(x, y, 0, 8) && is_same(x, y, 0, -8);
-            if (is_inside && !std::equal(sky, sky + 3, color_at(x, y)))
-                return "xdotool mousemove " + std::to_string(x) + " " + std::to_string(y) + "\nsleep 0.5\n";
-        }
-    }
-    ADD_FAILURE() << "nothing is seen";
-    return "";
-}
-
-TEST(Window, AnswersKeysAndClicks) {
-    if (!has_xvfb() || !has_xdotool()) GTEST_SKIP() << "xvfb-run or xdotool is not installed";
-    const TempFolder plain, clicked, playing, helped;
-    for (const TempFolder* folder : {&plain, &clicked, &playing, &helped}) write_small_scene(*folder);
-    const FloatImage before = window_after(plain, "");
-    EXPECT_EQ(count_color(before, kOutline, 0, kRight), 0);
-    const std::string click = move_to_something(before) + "xdotool click 1\n";
-    EXPECT_GT(count_color(window_after(clicked, click), kOutline, 0, kRight), 20) << "the picked node's outline";
-    EXPECT_GT(count_color(window_after(playing, click + "sleep 1\nxdotool key space\n", ""), kOutline, 0, kRight), 20)
+TEST_F(Window, AnswersKeysAndClicks) {
+    ShownWindow window;
+    window.start();
+    const Screenful before = window.rest();
+    EXPECT_EQ(before.count(kOutline), 0);
+    window.click(window.find_resting(before));
+    const auto is_outlined = [](const Screenful& shown) { return shown.count(kOutline) > 20; };
+    EXPECT_TRUE(window.wait(is_outlined)) << "the picked node's outline";
+    const Screenful picked = window.picture();
+    window.screen.send({"key", "space"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown != picked && is_outlined(shown); }))
         << "the same, while it plays";
-    EXPECT_NE(window_after(helped, "xdotool key F1\n").values, before.values) << "the keys";
+    window.screen.send({"mousemove", "20", "20", "click", "1"});
+    EXPECT_TRUE(window.wait([](const Screenful& shown) { return shown.count(kOutline) == 0; })) << "no node: the sky";
+    EXPECT_EQ(window.rest(), before);
+    window.screen.send({"key", "F1"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown != before; })) << "the keys";
+    window.screen.send({"key", "F1"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown == before; }));
+    window.screen.send({"key", "Escape"});
+    const Outcome outcome = window.program().wait();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
-TEST(Window, StepsByFramesAndTakesAnotherSize) {
-    if (!has_xvfb() || !has_xdotool()) GTEST_SKIP() << "xvfb-run or xdotool is not installed";
-    const TempFolder plain, stepped, back;
-    for (const TempFolder* folder : {&plain, &stepped, &back}) write_small_scene(*folder);
-    const std::string steps = "for k in 1 2 3 4 5 6; do xdotool key Right; sleep 0.2; done\n";
-    const FloatImage first = window_after(plain, ""), later = window_after(stepped, steps);
-    const FloatImage again = window_after(back, steps + "for k in 1 2 3 4 5 6; do xdotool key Left; sleep 0.2; done\n");
-    const auto is_same_picture = [](const FloatImage& a, const FloatImage& b) {
-        for (int y = 0; y < a.height; ++y) {
-            const size_t row = size_t{1} * y * a.width * a.channels.size();
-            const auto begin = a.values.begin() + static_cast<ptrdiff_t>(row);
-            if (!std::equal(begin, begin + static_cast<ptrdiff_t>(kRight * a.channels.size()),
-                            b.values.begin() + static_cast<ptrdiff_t>(row)))
-                return false;
-        }
-        return true;
+TEST_F(Window, StepsByFramesAndTakesAnotherSize) {
+    ShownWindow window;
+    window.start();
+    const Screenful first = window.rest();
+    window.screen.send({"key", "Right", "Right", "Right", "Right", "Right", "Right"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown != first; })) << "six frames on";
+    window.screen.send({"key", "Left", "Left", "Left", "Left", "Left", "Left"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown == first; })) << "and back";
+
+    const auto size_of_screenshot = [&](const std::string& file) {
+        window.screen.send({"key", "F12"});
+        EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(window.folder / file); }));
+        const FloatImage image = read_picture(window.folder / file);
+        return std::pair(image.width, image.height);
     };
-    EXPECT_FALSE(is_same_picture(first, later)) << "six frames on";
-    EXPECT_TRUE(is_same_picture(first, again)) << "six frames on and back";
-
-    const TempFolder resized;
-    write_small_scene(resized);
-    const FloatImage small = window_after(resized, "xdotool windowsize $(head -n 1 window.txt) 560 360\n");
-    EXPECT_EQ(small.width, 560);
-    EXPECT_EQ(small.height, 360);
+    EXPECT_EQ(size_of_screenshot("zoetrope_0000.png"), std::pair(640, 400));
+    window.screen.send({"search", "--name", "Zoetrope", "windowsize", "--sync", "560", "360"});
+    EXPECT_EQ(size_of_screenshot("zoetrope_0001.png"), std::pair(560, 360));
 }
 
-TEST(Window, DisplayThatCannotBeOpenedMeansHeadless) {
+TEST_F(Window, OpensWhatIsDroppedOnIt) {
+    ShownWindow window;
+    auto other = small_scene();
+    other["scenes"][0]["nodes"] = {1, 2};  // what turns is not there
+    other.erase("animations");
+    window.folder.write("other.gltf", other.dump());
+    window.folder.write("broken.gltf", "{");
+    window.start();
+    const Screenful before = window.rest();
+    const glm::ivec2 resting = window.find_resting(before), turning = window.find_turning(before);
+    const auto drop = [&](const std::string& file) {
+        return drop_file(window.screen.display(), "Zoetrope: ", window.folder / file);
+    };
+
+    ASSERT_EQ(drop("broken.gltf"), "");
+    EXPECT_TRUE(wait_until([&] { return window.program().err().find("broken.gltf") != std::string::npos; }));
+    EXPECT_EQ(window.picture(), before);
+    window.screen.send({"key", "Right", "Right", "Right", "Right", "Right", "Right"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown != before; })) << "it is still there";
+
+    ASSERT_EQ(drop("other.gltf"), "");
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) {
+        return is_near(shown.at(resting.x, resting.y), before.at(resting.x, resting.y)) &&
+               is_near(shown.at(turning.x, turning.y), before.at(0, 0));
+    }));
+    EXPECT_NO_THROW(window.screen.send({"search", "--name", "other.gltf"})) << "the title";
+    window.screen.send({"key", "Escape"});
+    EXPECT_EQ(window.program().wait().exit_code, 0);
+}
+
+/// Twice the dots an inch: letters are twice as large, and so is the window, unless its size is told.
+TEST_F(Window, FillsFineScreens) {
+    ShownWindow window(1280, 800, 192);
+    window.start();
+    const Screenful before = window.rest();
+    const glm::ivec2 place = window.find_resting(before);
+    window.click(place);
+    ASSERT_TRUE(window.wait([](const Screenful& shown) { return shown.count(kOutline) > 20; }));
+    const Screenful picked = window.picture();
+    for (const int step : {-1, 1}) {
+        int x = place.x;
+        while (x > 0 && x + 1 < picked.width && is_near(picked.at(x, place.y), before.at(place.x, place.y))) x += step;
+        EXPECT_TRUE(is_near(picked.at(x, place.y), kOutline)) << "what was clicked is what is outlined";
+    }
+    window.screen.send({"key", "Escape"});
+    EXPECT_EQ(window.program().wait().exit_code, 0);
+
+    const Outcome outcome = run_program(
+        demo_command({"scene.gltf", "--shade", "motion", "--spp", "1", "--screenshot", "window.png", "--after", "0"}),
+        window.folder.path(), window.environment());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const FloatImage image = read_picture(window.folder / "window.png");
+    EXPECT_EQ(image.width, 2 * 1280);
+    EXPECT_EQ(image.height, 2 * 720);
+}
+
+/// Scenes are opened beside the window: it answers before the first one is there.
+TEST_F(Window, AnswersWhileItOpensAScene) {
+    ShownWindow window;
+    window.start("static-1000000");
+    EXPECT_TRUE(window.wait([](const Screenful& shown) { return shown.at(0, 0) != 0; }));
+    const Screenful empty = window.picture();
+    ASSERT_EQ(empty.color_count(), 1);
+    window.screen.send({"mousemove", "20", "20", "key", "F1"});
+    EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown != empty; }));
+    EXPECT_EQ(window.picture().at(0, 0), empty.at(0, 0)) << "the picture is not there yet";
+}
+
+TEST(WindowOrNot, DisplayThatCannotBeOpenedMeansHeadless) {
     const TempFolder folder;
     write_small_scene(folder);
     const Outcome outcome = run_program({ZOETROPE_DEMO, "scene.gltf", "--size", "32x18", "--spp", "1"}, folder.path(),

@@ -119,6 +119,7 @@ const std::vector<Owner>& owners() {
          {"apps/demo/options.cpp", "apps/bench/options.cpp", "apps/common/parse_command_line.cpp", "apps/chart/"}},
         {"GLFW", "GLFW/", {"apps/demo/"}},
         {"Dear ImGui", "imgui", {"apps/demo/", "tests/apps/interface.cpp"}},
+        {"X11", "X11/", {"tests/apps/x_client.cpp"}},
     };
     return list;
 }
