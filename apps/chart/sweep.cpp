@@ -39,8 +39,11 @@ void add(const Row& row, Chart* chart) {
     found->points.push_back(row.point);
 }
 
+/// Points of a series follow one another by x; where that is a price, which is measured, as they were made: by their
+/// setting.
 void sort_points(Chart* chart) {
     for (Panel& panel : chart->panels) {
+        if (panel.is_trade) continue;
         for (Series& series : panel.series)
             std::ranges::stable_sort(series.points, {}, [](const Point& point) { return point.x.median; });
     }

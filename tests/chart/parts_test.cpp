@@ -154,7 +154,6 @@ TEST(Sweep, GoesOnWhereItWasInterrupted) {
     EXPECT_EQ(second.kept_count(), 2);
     ASSERT_EQ(chart.panels[0].series.size(), 2u);
     EXPECT_EQ(chart.panels[0].series[0].points.size(), 3u);
-    EXPECT_LE(chart.panels[0].series[0].points[0].x.median, chart.panels[0].series[0].points[1].x.median);
 
     steps.measured.clear();
     chart = small_chart();
@@ -174,6 +173,19 @@ TEST(Sweep, MeasuresAnewWhereTheFileIsBroken) {
     steps.run(sweep, &chart);
     EXPECT_EQ(steps.measured.size(), 3u);
     EXPECT_EQ(read_csv(folder / "small.csv")->rows.size(), 6u);
+}
+
+/// A time that was measured tells nothing of which setting it is of.
+TEST(Sweep, PointsFollowOneAnotherByXUnlessThatIsAPrice) {
+    const std::vector<Row> rows = {row("", "binned", 3, 1), row("", "binned", 1, 2), row("", "binned", 2, 3)};
+    for (const bool is_trade : {false, true}) {
+        Chart chart = small_chart();
+        chart.panels[0].is_trade = is_trade;
+        Sweep({}, {}, {}).run({{.name = "one", .measure = [&] { return rows; }}}, &chart);
+        std::vector<double> ys;
+        for (const Point& point : chart.panels[0].series[0].points) ys.push_back(point.y.median);
+        EXPECT_EQ(ys, is_trade ? std::vector({1.0, 2.0, 3.0}) : std::vector({2.0, 3.0, 1.0}));
+    }
 }
 
 TEST(MeasureInTurn, EveryWorkHasItsTurnAfterAWarmUp) {
