@@ -23,7 +23,8 @@ Environment make_uniform(const glm::dvec3& color) {
 Environment read_sky(const std::string& file) {
     Environment environment = read_environment(file);
     if (const uint64_t count = environment.repaired_count(); count > 0) {
-        fmt::print(stderr, "zoetrope-demo: {}: {} pixels with numbers that are no light: brought into range\n", file, count);
+        fmt::print(stderr, "{}: warning: {}: {} of its pixels have numbers that are no light: brought into range\n",
+                   kProgram, file, count);
     }
     return environment;
 }

@@ -151,41 +151,6 @@ TEST(Pictures, MotionDoesNotDependOnTheFramesMadeBefore) {
     EXPECT_GT(most, 0.1f) << "pixels: something moves";
 }
 
-TEST(Pictures, SharesMakeTheSameFilesAsOneRun) {
-    const TempFolder folder;
-    write_small_scene(folder);
-    for (const char* const type : {"png", "exr"}) {
-        const std::string name = std::string("/f%d.") + type;
-        // Blurred, and of as many samples as each pixel needs.
-        const auto frames = [&](std::vector<std::string> more) {
-            more.insert(more.end(),
-                        {"--frames", "3-9", "--shutter", "0.7", "--slices", "4", "--noise", "0.1", "--spp", "64"});
-            return small_pictures(more);
-        };
-        ASSERT_EQ(run_demo(folder.path(), frames({"--out", "whole" + name})).exit_code, 0);
-        for (const char* const share : {"3/3", "1/3", "2/3"}) {
-            const Outcome outcome =
-                run_demo(folder.path(), frames({"--shard", share, "--threads", "1", "--out", "shares" + name}));
-            ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-        }
-        for (int frame = 3; frame <= 9; ++frame) {
-            const std::string file = "/f" + std::to_string(frame) + "." + type;
-            ASSERT_FALSE(read_bytes(folder / ("whole" + file)).empty()) << file;
-            EXPECT_TRUE(read_bytes(folder / ("whole" + file)) == read_bytes(folder / ("shares" + file))) << file;
-        }
-        EXPECT_FALSE(std::filesystem::exists(folder / "shares/contact_sheet.png")) << "of pictures that are not all there";
-    }
-    // All are there: what is left is what shows them together.
-    ASSERT_EQ(run_demo(folder.path(), small_pictures({"--frames", "3-9", "--resume", "--out", "shares/f%d.png"})).exit_code,
-              0);
-    EXPECT_TRUE(std::filesystem::exists(folder / "shares/contact_sheet.png"));
-    // More shares than frames.
-    const Outcome none =
-        run_demo(folder.path(), small_pictures({"--frames", "0-1", "--shard", "3/3", "--stats", "none.json"}));
-    EXPECT_EQ(none.exit_code, 0) << none.err;
-    EXPECT_EQ(Json::parse(read_bytes(folder / "none.json"))["frames"].size(), 0u);
-}
-
 double brightness(const std::filesystem::path& file) {
     const FloatImage image = read_picture(file);
     double sum = 0.0;
