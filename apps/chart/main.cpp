@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
     } catch (const UsageError& error) {
         return fail(2, error.what());
     } catch (const Interrupted& error) {
-        return fail(130, error.what());
+        return fail(kInterruptedCode, error.what());
     } catch (const std::bad_alloc&) {
         return fail(1, "out of memory");
     } catch (const std::exception& error) {

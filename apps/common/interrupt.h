@@ -11,7 +11,10 @@ void catch_interrupts();
 /// What long work looks at between its steps; fits RenderConfig::cancel.
 const std::atomic<bool>& is_interrupted();
 
-/// Thrown by long work that stopped because of `is_interrupted`. Programs end with exit code 130 for it.
+/// What programs end with that were interrupted, as shells have it.
+inline constexpr int kInterruptedCode = 130;
+
+/// Thrown by long work that stopped because of `is_interrupted`.
 class Interrupted : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;

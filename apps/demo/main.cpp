@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
     } catch (const zoe::UsageError& error) {
         return fail(2, error.what());
     } catch (const zoe::Interrupted& error) {
-        return fail(130, error.what());
+        return fail(zoe::kInterruptedCode, error.what());
     } catch (const std::bad_alloc&) {
         return fail(1, "out of memory");
     } catch (const std::exception& error) {

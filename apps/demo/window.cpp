@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <new>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -40,6 +44,37 @@ void end_frame(GlWindow& window, WindowState& state) {
     }
 }
 
+template <typename T>
+bool is_running(const std::future<T>& task) {
+    return task.valid() && task.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+}
+
+/// A scene, and the thread that renders it.
+class Shown {
+public:
+    explicit Shown(std::unique_ptr<Opened> opened) : opened_(std::move(opened)) {
+        print();
+        catch_interrupts();
+        renderer_.emplace(opened_->content, opened_->options.spp.value_or(kDefaultMaxSamples), &GlWindow::wake);
+    }
+    /// Waits for the frame that is being made.
+    ~Shown() {
+        renderer_.reset();
+        print();
+    }
+    Shown(const Shown&) = delete;
+    Shown& operator=(const Shown&) = delete;
+
+    LiveRenderer& renderer() { return *renderer_; }
+
+private:
+    void print() { print_warnings(kProgram, opened_->content.scene, &printed_); }
+
+    std::unique_ptr<Opened> opened_;
+    std::vector<std::string> printed_;  // warnings
+    std::optional<LiveRenderer> renderer_;
+};
+
 /// What the window shows, and what is being opened to be shown next.
 class Viewer {
 public:
@@ -50,18 +85,18 @@ public:
     /// One frame of the interface.
     void step() {
         if (std::string dropped = window_.take_dropped(); !dropped.empty()) dropped_ = std::move(dropped);
-        if (opening_.valid() && opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) show_opened();
+        if (opening_.valid() && !is_running(opening_) && !is_running(ending_)) show_opened();
         if (!opening_.valid() && !dropped_.empty()) begin_opening(options_for(options_, std::exchange(dropped_, {})));
-        window_.begin_frame(renderer_ && state_.is_playing ? 1.0 / 60.0 : 0.1);
+        window_.begin_frame(shown_ && state_.is_playing ? 1.0 / 60.0 : 0.1);
         const double now_s = window_.seconds();
         const double elapsed_s = now_s - std::exchange(state_.now_s, now_s);
-        if (renderer_) state_.play(std::min(elapsed_s, 0.25));  // after a stall, the animation goes on from where it was
-        if (renderer_ && renderer_->take(&state_.picture)) {
+        if (shown_) state_.play(std::min(elapsed_s, 0.25));  // after a stall, the animation goes on from where it was
+        if (shown_ && shown_->renderer().take(&state_.picture)) {
             window_.set_texture(state_.picture.width, state_.picture.height, state_.picture.rgba.data());
             state_.note_picture();
         }
         draw_panels(state_, window_.take_keys());
-        if (renderer_) renderer_->ask(state_.request());
+        if (shown_) shown_->renderer().ask(state_.request());
 
         const bool takes_screenshot =
             options_.screenshot && state_.picture.width > 0 && now_s - begin_s_ >= options_.screenshot_after_s;
@@ -70,10 +105,16 @@ public:
         window_.close();
     }
 
-    /// Takes the window away, then waits for what runs beside it.
+    /// Takes the window away, then waits for what runs beside it. A scene that is still being opened is not waited for:
+    /// the program ends here.
     void close() {
         window_.hide();
-        end_scene();
+        shown_.reset();
+        if (ending_.valid()) ending_.wait();
+        if (!is_running(opening_)) return;
+        if (is_interrupted()) std::fputs(fmt::format("{}: interrupted\n", kProgram).c_str(), stderr);
+        std::fflush(nullptr);
+        std::_Exit(is_interrupted() ? kInterruptedCode : 0);
     }
 
 private:
@@ -91,38 +132,34 @@ private:
         state_.opening.clear();
         try {
             auto [opened, state] = opening_.get();
-            end_scene();
-            opened_ = std::move(opened);
+            if (shown_) ending_ = std::async(std::launch::async, [last = std::move(shown_)]() mutable { last.reset(); });
+            shown_ = std::make_unique<Shown>(std::move(opened));
             state.is_help_shown = state_.is_help_shown;
             state_ = std::move(state);
         } catch (const std::runtime_error& error) {
-            if (!opened_) throw;
-            state_.message = one_line(error.what());
-            std::fputs(fmt::format("{}: {}\n", kProgram, state_.message).c_str(), stderr);
-            return;
+            if (!shown_) throw;
+            return refuse(error.what());
+        } catch (const std::bad_alloc&) {
+            if (!shown_) throw;
+            return refuse("out of memory");
         }
         begin_s_ = state_.now_s = window_.seconds();
         state_.texture = window_.texture();
         window_.set_title("Zoetrope: " + state_.scene_name);
-        print_warnings(kProgram, opened_->content.scene, &printed_);
-        catch_interrupts();
-        renderer_.emplace(opened_->content, opened_->options.spp.value_or(kDefaultMaxSamples), &GlWindow::wake);
     }
 
-    void end_scene() {
-        renderer_.reset();
-        if (opened_) print_warnings(kProgram, opened_->content.scene, &printed_);
-        printed_.clear();
+    void refuse(const std::string& reason) {
+        state_.message = one_line(reason);
+        std::fputs(fmt::format("{}: {}\n", kProgram, state_.message).c_str(), stderr);
     }
 
     GlWindow& window_;
     const Options& options_;
     WindowState state_;
-    std::unique_ptr<Opened> opened_;
-    std::optional<LiveRenderer> renderer_;
-    std::vector<std::string> printed_;  // warnings of the scene
-    double begin_s_ = 0.0;              // when it was first shown
-    std::string dropped_;               // to be opened; of several, the latest
+    std::unique_ptr<Shown> shown_;
+    std::future<void> ending_;  // of what was shown before: the window does not wait for its last frame
+    double begin_s_ = 0.0;      // when it was first shown
+    std::string dropped_;       // to be opened; of several, the latest
     std::future<std::pair<std::unique_ptr<Opened>, WindowState>> opening_;
 };
 

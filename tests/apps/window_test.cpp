@@ -226,16 +226,21 @@ TEST_F(Window, FillsFineScreens) {
     EXPECT_EQ(image.height, 2 * 720);
 }
 
-/// Scenes are opened beside the window: it answers before the first one is there.
+/// Scenes are opened beside the window: it answers before the first one is there, and does not wait for it when it is
+/// closed.
 TEST_F(Window, AnswersWhileItOpensAScene) {
     ShownWindow window;
-    window.start("static-1000000");
+    window.start("static-1000000", {"--cache", "trees"});
     EXPECT_TRUE(window.wait([](const Screenful& shown) { return shown.at(0, 0) != 0; }));
     const Screenful empty = window.picture();
     ASSERT_EQ(empty.color_count(), 1);
     window.screen.send({"mousemove", "20", "20", "key", "F1"});
     EXPECT_TRUE(window.wait([&](const Screenful& shown) { return shown != empty; }));
     EXPECT_EQ(window.picture().at(0, 0), empty.at(0, 0)) << "the picture is not there yet";
+    window.screen.send({"key", "Escape"});
+    EXPECT_EQ(window.program().wait().exit_code, 0);
+    EXPECT_FALSE(std::filesystem::exists(window.folder / "trees") && !list_files(window.folder / "trees").empty())
+        << "its tree was built even so";
 }
 
 TEST(WindowOrNot, DisplayThatCannotBeOpenedMeansHeadless) {
