@@ -89,19 +89,22 @@ void draw_choices(WindowState& state) {
     if (ImGui::Combo("##shade", &shade, kShadeNames, kShadeCount)) state.shade = static_cast<Shade>(shade);
 }
 
-void draw_counts(const WindowState& state) {
+void draw_rates(const WindowState& state) {
     const LivePicture& picture = state.picture;
     const FrameStats& stats = picture.stats;
-    ImGui::Text("kept %u  refitted %u  rebuilt %u", stats.kept, stats.refitted, stats.rebuilt);
-    for (int i = 0; i < kMotionCount; ++i) ImGui::Text("%-10s %8u nodes", name(static_cast<Motion>(i)), state.node_count[i]);
-    ImGui::Text("triangles  %8llu", static_cast<unsigned long long>(state.triangle_count));
-    ImGui::Separator();
     const double rays_a_second = stats.trace_ms > 0.0 ? double(stats.rays) / stats.trace_ms / 1000.0 : 0.0;
+    ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second() : 0.0);
+    ImGui::Text("rays       %.2f million a second", rays_a_second);
     ImGui::Text("picture    %dx%d of %dx%d", picture.width, picture.height, state.picture_width, state.picture_height);
     ImGui::Text("light      %dx%d", picture.light_width, picture.light_height);
     ImGui::Text("samples    %d%s", picture.sample_count, picture.is_finished ? ", done" : "");
-    ImGui::Text("rays       %.2f million a second", rays_a_second);
-    ImGui::Text("new frames %.1f a second", state.is_playing ? state.frames_a_second() : 0.0);
+}
+
+void draw_counts(const WindowState& state) {
+    const FrameStats& stats = state.picture.stats;
+    ImGui::Text("kept %u  refitted %u  rebuilt %u", stats.kept, stats.refitted, stats.rebuilt);
+    for (int i = 0; i < kMotionCount; ++i) ImGui::Text("%-10s %8u nodes", name(static_cast<Motion>(i)), state.node_count[i]);
+    ImGui::Text("triangles  %8llu", static_cast<unsigned long long>(state.triangle_count));
 }
 
 void draw_timeline(WindowState& state) {
@@ -175,6 +178,8 @@ void draw_panels(WindowState& state, std::span<const int> keys) {
     ImGui::TextDisabled("F1 shows the keys");
     if (!state.opening.empty()) draw_note("opening " + state.opening);
     if (!state.message.empty()) draw_note(state.message);
+    ImGui::Separator();
+    draw_rates(state);
     ImGui::Separator();
     draw_choices(state);
     ImGui::Separator();
