@@ -12,6 +12,7 @@ constexpr double kEarly = 0.9;               // of the time that there is
 constexpr int kPatience = 12;                // pictures in a row that might have been larger, before one is
 constexpr double kNew = 0.3;                 // share of the latest picture in the mean
 constexpr int kMaxDivisor = 12;
+constexpr int kMemory = 240;  // pictures without surfaces of their own, before these are tried again
 
 double room_beside(double other_ms) {
     return std::max(kBudgetMs - other_ms, kLeastMs);
@@ -38,7 +39,14 @@ PlaySizes Pace::choose(double pixel_count, double other_ms) {
     const double room_ms = room_beside(other_ms), light_ms = light_ms_ * pixel_count, surface_ms = surface_ms_ * pixel_count;
     const int lone = lone_light_.choose(light_ms, room_ms), surfaces = surfaces_.choose(surface_ms, kSurfaces * room_ms);
     const int light = light_.choose(light_ms, room_ms - surface_ms / (double(surfaces) * surfaces));
-    if (lone <= surfaces) return {lone, lone};
+    if (lone <= surfaces) {
+        if (++lone_count_ == kMemory) {  // What is known of surfaces is old, and may be of a moment when all was slow.
+            surface_ms_ = 0.0;
+            surfaces_ = {std::max(1, lone / 2)};
+        }
+        return {lone, lone};
+    }
+    lone_count_ = 0;
     return {std::max(light, surfaces), surfaces};
 }
 

@@ -13,7 +13,7 @@ struct PlaySizes {
 /// filter's new beginning.
 ///
 /// Surfaces take a share of the time at the most, light the rest. Where that would do for light on pixels as small, there
-/// need be no surfaces beside it.
+/// need be no surfaces beside it; now and then they are tried again: they may have become cheaper.
 class Pace {
 public:
     /// pixel_count   of the picture in full size.
@@ -38,6 +38,7 @@ private:
 
     Size lone_light_{PlaySizes{}.light}, light_{PlaySizes{}.light}, surfaces_{PlaySizes{}.surfaces},
         lone_surfaces_{PlaySizes{}.surfaces};
+    int lone_count_ = 0;                        // pictures in a row without surfaces of their own
     double light_ms_ = 0.0, surface_ms_ = 0.0;  // a pixel, smoothed; 0: unknown
 };
 

@@ -22,7 +22,7 @@ void Guides::start(int picture_width, int picture_height) {
 void Guides::see_surface(size_t pixel, const Tlas& tlas, const View& view, const Hit& hit, const Surface& surface,
                          const glm::vec3& so_far) {
     albedo[pixel] = surface.base_color;
-    normal[pixel] = surface.ns;
+    normal[pixel] = surface.is_unlit ? glm::vec3(0.0f) : surface.ns;
     unfiltered[pixel] = so_far;
     depth[pixel] = zoe::depth(view, surface.position);
     node[pixel] = index(hit.node);

@@ -23,6 +23,11 @@ constexpr float kSlanted = 2.0f;        // times what it rises by beside the pix
 constexpr float kTurned = 4.0f;         // of 1 - cosine: nothing is alike beyond a quarter
 constexpr float kApart = 1.0f / 16.0f;  // what a pixel's distance counts for where nothing is alike
 
+/// Tells whether light makes a pixel brighter.
+bool is_lit(const Guides& guides, size_t pixel) {
+    return guides.node[pixel] != kSky && guides.normal[pixel] != glm::vec3(0.0f);
+}
+
 glm::vec3 divisor_of(const glm::vec3& albedo) {
     return kLeastAlbedo + (1.0f - kLeastAlbedo) * albedo;
 }
@@ -82,7 +87,7 @@ void Upsampler::take_in(const Guides& guides, const Film& film) {
             for (size_t k = row * width; k < (row + 1) * width; ++k) {
                 const glm::vec3 light =
                     (film.share_of(k) * glm::vec3(film.sum[k]) - guides.unfiltered[k]) / divisor_of(guides.albedo[k]);
-                const bool is_known = guides.node[k] != kSky && is_finite(light);
+                const bool is_known = is_lit(guides, k) && is_finite(light);
                 samples_[k] = {glm::clamp(light, 0.0f, kBrightest), guides.normal[k], guides.depth[k],
                                is_known ? guides.node[k] : kSky};
                 if (is_known) sum += glm::dvec4(samples_[k].light, 1.0);
@@ -144,7 +149,7 @@ void Upsampler::light(const Guides& from_guides, const Film& from, const Guides&
             for (size_t column = 0; column < width; ++column) {
                 const size_t k = row * width + column;
                 glm::vec3 radiance = guides.unfiltered[k];
-                if (guides.node[k] != kSky) {
+                if (is_lit(guides, k)) {
                     const Place place{.x = (static_cast<float>(column) + 0.5f) * x_scale - 0.5f,
                                       .y = (static_cast<float>(row) + 0.5f) * y_scale - 0.5f,
                                       .normal = guides.normal[k],
@@ -154,7 +159,8 @@ void Upsampler::light(const Guides& from_guides, const Film& from, const Guides&
                                       .node = guides.node[k]};
                     radiance += divisor_of(guides.albedo[k]) * light_at(place);
                 }
-                film->sum[k] = glm::vec4(is_finite(radiance) ? scale * radiance : glm::vec3(0.0f), film->sum[k].a);
+                const glm::vec3 sum = scale * radiance;
+                film->sum[k] = glm::vec4(is_finite(sum) ? sum : glm::vec3(0.0f), film->sum[k].a);
             }
         }
     });

@@ -154,49 +154,31 @@ TEST(LiveRenderer, AForcedClassIsSeenAndTakenBack) {
 }
 
 /// While a large picture is refined, an edit does not wait for the pass that is running, and the interface for nothing.
+/// A pass that only makes the picture finer is left: no picture of the time before comes any more.
 TEST(LiveRenderer, AnEditRestartsThePictureWithoutWaiting) {
-    using Clock = std::chrono::steady_clock;
-    const auto ms_since = [](Clock::time_point begin) {
-        return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-    };
     LidScene scene;
     LiveRenderer renderer(scene.content, 1000, [] {});
     LiveRequest request = playing(scene);
     request.is_playing = false;
     request.width = 480;
     request.height = 300;
-    double longest_call_ms = 0.0;
     LivePicture picture;
-    const auto take = [&] {
-        const Clock::time_point begin = Clock::now();
-        const bool is_new = renderer.take(&picture);
-        longest_call_ms = std::max(longest_call_ms, ms_since(begin));
-        return is_new;
-    };
-    const auto wait_for = [&](int sample_count) {
-        EXPECT_TRUE(wait_until([&] {
-            return take() && picture.time_s == request.time_s && picture.width == request.width &&
-                   picture.sample_count >= sample_count;
-        }));
-    };
-    renderer.ask(request);
-    wait_for(1);
-    const Clock::time_point pass_begin = Clock::now();
-    wait_for(2);
-    const double pass_ms = ms_since(pass_begin);
-
-    std::vector<double> edit_ms;
-    for (int edit = 0; edit < 3; ++edit) {
-        wait_for(1);  // the next pass has begun
-        request.time_s += 0.1;
-        const Clock::time_point begin = Clock::now();
+    constexpr int kEditCount = 8;
+    int late_count = 0;
+    for (int edit = 0; edit < kEditCount; ++edit) {
         renderer.ask(request);
-        longest_call_ms = std::max(longest_call_ms, ms_since(begin));
-        EXPECT_TRUE(wait_until([&] { return take() && picture.time_s == request.time_s; }));
-        edit_ms.push_back(ms_since(begin));
+        EXPECT_TRUE(wait_until(
+            [&] { return renderer.take(&picture) && picture.time_s == request.time_s && picture.width == request.width; }));
+        // A pass has begun. It may end even so just now, seldom.
+        request.time_s += 0.1;
+        renderer.ask(request);
+        EXPECT_TRUE(wait_until([&] {
+            if (!renderer.take(&picture)) return false;
+            late_count += picture.time_s != request.time_s;
+            return picture.time_s == request.time_s;
+        }));
     }
-    EXPECT_LT(*std::ranges::min_element(edit_ms), pass_ms / 3.0);
-    EXPECT_LT(longest_call_ms, pass_ms / 3.0);
+    EXPECT_LE(late_count, kEditCount / 2);
 }
 
 }  // namespace

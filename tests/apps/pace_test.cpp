@@ -96,6 +96,45 @@ TEST(Pace, HoweverLongTheRestTakesSomethingIsSeen) {
     EXPECT_EQ(slow.surfaces, 12);
 }
 
+/// A picture that was late for another reason is forgotten in time, though nothing is measured of surfaces meanwhile.
+TEST(Pace, SurfacesAreFinerAgainAfterAStall) {
+    for (const double stall_ms : {20.0, 100.0, 1000.0}) {
+        SCOPED_TRACE(stall_ms);
+        Pace pace;
+        PlaySizes sizes;
+        const auto show = [&](double late_ms) {
+            sizes = pace.choose(kPixels, 2.0);
+            pace.note_light(kPixels / (sizes.light * sizes.light), 600.0 / (sizes.light * sizes.light));
+            if (sizes.surfaces < sizes.light)
+                pace.note_surfaces(kPixels / (sizes.surfaces * sizes.surfaces),
+                                   late_ms + 60.0 / (sizes.surfaces * sizes.surfaces));
+        };
+        for (int frame = 0; frame < 100; ++frame) show(0.0);
+        const PlaySizes before = sizes;
+        EXPECT_LT(before.surfaces, before.light);
+        show(stall_ms);
+        for (int frame = 0; frame < 600; ++frame) show(0.0);
+        EXPECT_EQ(sizes.surfaces, before.surfaces);
+        EXPECT_LE(sizes.light, before.light + 1) << "pictures grow where there is a tenth to spare";
+        EXPECT_LT(sizes.surfaces, sizes.light);
+    }
+}
+
+/// Where surfaces cost as much as their light, they are tried seldom.
+TEST(Pace, WhatDoesNotPayIsTriedSeldom) {
+    Pace pace;
+    int tried_count = 0;
+    for (int frame = 0; frame < 2400; ++frame) {
+        const PlaySizes sizes = pace.choose(kPixels, 2.0);
+        pace.note_light(kPixels / (sizes.light * sizes.light), 600.0 / (sizes.light * sizes.light));
+        if (sizes.surfaces == sizes.light) continue;
+        ++tried_count;
+        pace.note_surfaces(kPixels / (sizes.surfaces * sizes.surfaces), 600.0 / (sizes.surfaces * sizes.surfaces));
+    }
+    EXPECT_GT(tried_count, 0);
+    EXPECT_LE(tried_count, 2400 / 100);
+}
+
 /// What is shown without light has a size of its own: that of the lit picture is there again afterwards.
 TEST(Pace, PicturesWithoutLightHaveTheirOwnSize) {
     Pace pace;

@@ -30,7 +30,8 @@ public:
             const glm::dvec3 light =
                 (glm::dvec3(from.sum[k]) / double(from.sample_count) - glm::dvec3(guides_.unfiltered[k])) /
                 divisor(guides_.albedo[k]);
-            const bool is_known = guides_.node[k] != kNoNode && std::isfinite(light.r + light.g + light.b);
+            const bool is_known = guides_.node[k] != kNoNode && guides_.normal[k] != glm::vec3(0.0f) &&
+                                  std::isfinite(light.r + light.g + light.b);
             is_known_.push_back(is_known);
             light_.push_back(is_known ? glm::clamp(light, 0.0, 1e15) : glm::dvec3(0.0));
             sum += light_.back();
@@ -41,7 +42,7 @@ public:
 
     Result at(const Guides& guides, int x, int y) const {
         const size_t k = size_t{1} * y * guides.width + x;
-        if (guides.node[k] == kNoNode) return {guides.unfiltered[k]};
+        if (guides.node[k] == kNoNode || guides.normal[k] == glm::vec3(0.0f)) return {guides.unfiltered[k]};
         Place here{.x = place(x, guides.width, guides_.width),
                    .y = place(y, guides.height, guides_.height),
                    .slope_x = slope(guides, x, y, 1, 0) * guides.width / guides_.width,

@@ -202,6 +202,34 @@ TEST(Upsample, ColoursSkyAndEmissionAreThoseOfTheLargePicture) {
     }
 }
 
+/// A wire in front of a wall; one of the two is unlit. The light's pixels see the wall or the wire, as it falls.
+TEST(Upsample, NothingLightsWhatIsUnlitAndThatLightsNothing) {
+    for (const bool is_wire_unlit : {true, false}) {
+        for (const bool is_wire_seen : {true, false}) {
+            const auto shape_at = [&](bool is_seen) {
+                return [=](double x, double) {
+                    const bool is_wire = is_seen && std::abs(x - 0.5) < 0.05;
+                    return Shape{.node = is_wire ? 1u : 0u,
+                                 .depth = is_wire ? 1.9f : 2.0f,
+                                 .normal = is_wire == is_wire_unlit ? glm::vec3(0.0f) : glm::vec3(0, 0, 1)};
+                };
+            };
+            Guides from_guides = guides_of({5, 4}, shape_at(is_wire_seen)), guides = guides_of({40, 32}, shape_at(true));
+            for (Guides* const some : {&from_guides, &guides}) {
+                for (size_t k = 0; k < some->node.size(); ++k)
+                    some->unfiltered[k] = glm::vec3(some->normal[k] == glm::vec3(0.0f) ? 0.2f : 0.0f);
+            }
+            const auto light_of = [&](size_t k) { return glm::dvec3(from_guides.normal[k].z); };
+            const Film film = upsample(from_guides, lit(from_guides, 1, light_of), guides);
+            const bool has_light = is_wire_unlit || is_wire_seen;  // Else the small picture shows the unlit wall only.
+            for (size_t k = 0; k < guides.node.size(); ++k) {
+                const float expected = guides.normal[k] == glm::vec3(0.0f) ? 0.2f : has_light ? 0.04f : 0.0f;
+                EXPECT_FLOAT_EQ(film.sum[k].r, expected) << k << ' ' << is_wire_unlit << is_wire_seen;
+            }
+        }
+    }
+}
+
 TEST(Upsample, WhatIsNotFiniteIsLeftOut) {
     const Size small{16, 16}, large{64, 64};
     Guides from_guides = wall(small), guides = wall(large);
