@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@ namespace {
 
 constexpr const char* kPanel = "RMSE on a screen, frames of the default scene in motion";
 constexpr const char* kStretched = "stretched";
+constexpr double kFrameS = 1.0 / 24.0;  // as films have it
 
 /// A picture as it is shown.
 struct Shown {
@@ -74,6 +76,18 @@ struct Surfaces {
 };
 constexpr Surfaces kSurfaces[] = {{"on full surfaces", 1}, {"on surfaces of half", 2}, {"on surfaces of a third", 3}};
 
+/// As the window chooses (apps/demo/pace.h): the finest surfaces that take half of the time at most, then the finest light.
+struct Choosing {
+    size_t row;
+    int surfaces, light;
+    double surface_s, light_s;
+
+    bool is_in_time() const { return surface_s <= 0.5 * kFrameS && surface_s + light_s <= kFrameS; }
+    bool is_before(const Choosing& other) const {
+        return std::pair(surfaces, light) < std::pair(other.surfaces, other.light);
+    }
+};
+
 std::vector<Row> measure(const Settings& settings) {
     const int width = settings.pick(160, 640, 640), height = settings.pick(90, 360, 360);
     const int reference_count = settings.pick(1, 1, 2), begin = Played::kFrames - reference_count;
@@ -86,6 +100,7 @@ std::vector<Row> measure(const Settings& settings) {
                                                  .begin = begin})
                                              .films;
     std::vector<Row> rows;
+    std::optional<Choosing> chosen;
     const auto add = [&](const char* series, int divisor, double seconds, const std::vector<Film>& films) {
         double error = 0.0;
         for (size_t i = 0; i < references.size(); ++i) {
@@ -116,10 +131,16 @@ std::vector<Row> measure(const Settings& settings) {
             for (size_t i = 0; i < films.size(); ++i)
                 upsampler.light(played.guides[begin + i], lights.films[begin + i], guides[i], &films[i]);
             const double upsample_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-            add(kSurfaces[s].series, divisor, lights.seconds + surfaces[s].seconds + upsample_s / double(films.size()),
-                films);
+            const Choosing choosing{.row = rows.size(),
+                                    .surfaces = kSurfaces[s].divisor,
+                                    .light = divisor,
+                                    .surface_s = surfaces[s].seconds + upsample_s / double(films.size()),
+                                    .light_s = lights.seconds};
+            add(kSurfaces[s].series, divisor, choosing.surface_s + choosing.light_s, films);
+            if (choosing.is_in_time() && (!chosen || choosing.is_before(*chosen))) chosen = choosing;
         }
     }
+    if (chosen) rows[chosen->row].point.is_default = true;
     return rows;
 }
 
@@ -130,7 +151,6 @@ struct Choice {
 };
 /// Of what a film's frame has time for, that of the least error; else the fastest.
 Choice best_in_time(const Panel& panel, const std::vector<const char*>& series) {
-    constexpr double kFrameS = 1.0 / 24.0;
     Choice best{};
     for (const char* const name : series) {
         for (const Point& point : panel.find(name)->points) {
@@ -143,6 +163,16 @@ Choice best_in_time(const Panel& panel, const std::vector<const char*>& series) 
     return best;
 }
 
+/// What a series has in so much time, between two of its points; none beyond them.
+std::optional<double> error_in_time(const std::vector<Point>& points, double seconds) {
+    for (size_t k = 1; k < points.size(); ++k) {
+        const Point &a = points[k - 1], &b = points[k];
+        const double share = std::log(seconds / a.x.median) / std::log(b.x.median / a.x.median);
+        if (share >= 0.0 && share <= 1.0) return std::exp(std::lerp(std::log(a.y.median), std::log(b.y.median), share));
+    }
+    return {};
+}
+
 std::string caption(const Chart& chart) {
     const Panel& panel = chart.panel(kPanel);
     const Choice stretched = best_in_time(panel, {kStretched});
@@ -150,15 +180,21 @@ std::string caption(const Chart& chart) {
     for (const Surfaces& some : kSurfaces) names.push_back(some.series);
     const Choice guided = best_in_time(panel, names);
     const auto& all = panel.find(kStretched)->points;
-    const auto equal = std::ranges::find_if(all, [&](const Point& p) { return p.y.median <= guided.point->y.median; });
+    const auto as_coarse = std::ranges::find(all, guided.point->label, &Point::label);
+    // The coarsest, and so the fastest, comes last.
+    const auto equal =
+        std::ranges::find_if(all.rbegin(), all.rend(), [&](const Point& p) { return p.y.median <= guided.point->y.median; });
+    const auto share_of = [&](double error) { return short_number(guided.point->y.median / error); };
+    const std::optional<double> in_time = error_in_time(all, guided.point->x.median);
     return fmt::format(
         "Points: light of half, a third, ... of the picture's sides, one sample for each of its pixels, smoothed; against "
-        "pictures with very many, as a window shows them. Of what a film's frame has time for, the least error of light "
-        "that is "
-        "stretched is {} (sides divided by {}); {} it is {} (light by {}): {} of it. {}.",
+        "pictures with very many, as a window shows them. Ring: as the window chooses. Of what a film's frame has time for, "
+        "the least error of light that is stretched is {} (sides divided by {}); {} it is {} (light by {}): {} of that of "
+        "light as coarse{}. {}.",
         short_number(stretched.point->y.median), stretched.point->label, guided.series, short_number(guided.point->y.median),
-        guided.point->label, short_number(guided.point->y.median / stretched.point->y.median),
-        equal == all.end() ? "No light that is stretched has so little here"
+        guided.point->label, share_of(as_coarse->y.median),
+        in_time ? fmt::format(", {} of that of as much time", share_of(*in_time)) : "",
+        equal == all.rend() ? "No light that is stretched has so little here"
                            : fmt::format("Stretched, it is as little in {} times the time",
                                          short_number(equal->x.median / guided.point->x.median)));
 }

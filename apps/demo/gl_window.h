@@ -12,6 +12,7 @@ struct GLFWwindow;
 
 namespace zoe {
 
+/// On screens of 96 dots an inch.
 constexpr PictureSize kDefaultWindowSize{1280, 720};
 
 /// There is no display, or it cannot show OpenGL; says why.

@@ -17,6 +17,7 @@
 
 namespace zoe {
 
+/// What it calls itself in messages.
 constexpr const char* kProgram = "zoetrope-demo";
 
 /// What lights a scene from all around. kByLights: see choose_sky.

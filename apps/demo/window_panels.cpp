@@ -1,6 +1,7 @@
 #include "apps/demo/window_panels.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
@@ -13,7 +14,7 @@ namespace zoe {
 namespace {
 
 constexpr const char* kShadeNames[kShadeCount] = {"path", "albedo", "normal", "motion", "cost"};
-constexpr float kClickDistance = 3.0f;  // A button that was moved farther was a drag.
+constexpr float kClickDistance = 0.25f;  // A button that was moved farther, in letters, was a drag.
 
 constexpr const char* kMouseUses[][2] = {
     {"left drag", "orbit"},
@@ -49,8 +50,9 @@ void draw_picture(WindowState& state, const ImVec2& size) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
     ImGui::InvisibleButton("picture", size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonMiddle);
     use_mouse(state, size.y);
-    const bool is_click = ImGui::IsItemDeactivated() && io.MouseReleased[ImGuiMouseButton_Left] &&
-                          io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left] < kClickDistance * kClickDistance;
+    const bool is_click =
+        ImGui::IsItemDeactivated() && io.MouseReleased[ImGuiMouseButton_Left] &&
+        std::sqrt(io.MouseDragMaxDistanceSqr[ImGuiMouseButton_Left]) < kClickDistance * ImGui::GetFontSize();
     if (is_click) state.pick((io.MousePos.x - corner.x) / size.x, (io.MousePos.y - corner.y) / size.y);
     if (state.picture.width > 0) {
         ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(state.texture)), corner,
@@ -124,11 +126,15 @@ void draw_timeline(WindowState& state) {
     }
 }
 
-void draw_note(const std::string& text) {
-    ImGui::Separator();
+void draw_wrapped(const std::string& text) {
     ImGui::PushTextWrapPos(0.0f);
     ImGui::TextUnformatted(text.c_str());
     ImGui::PopTextWrapPos();
+}
+
+void draw_note(const std::string& text) {
+    ImGui::Separator();
+    draw_wrapped(text);
 }
 
 void draw_help(WindowState& state) {
@@ -174,7 +180,7 @@ void draw_panels(WindowState& state, std::span<const int> keys) {
     ImGui::EndGroup();
     ImGui::SameLine();
     ImGui::BeginChild("panel", {panel_width, picture_size.y});
-    ImGui::TextUnformatted(state.scene_name.c_str());
+    draw_wrapped(state.scene_name);
     ImGui::TextDisabled("F1 shows the keys");
     if (!state.opening.empty()) draw_note("opening " + state.opening);
     if (!state.message.empty()) draw_note(state.message);
