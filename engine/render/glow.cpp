@@ -19,10 +19,7 @@ constexpr size_t kGrain = 4096;  // triangles
 /// The mean of a texture's light, where it has levels.
 glm::vec3 mean_color(const Scene& scene, const TextureRef& ref) {
     if (!has_pixels(scene.images, ref)) return glm::vec3(1.0f);
-    const Image& image = scene.images[index(ref.image)];
-    if (image.coarser.empty()) return glm::vec3(1.0f);
-    const std::vector<uint8_t>& texel = image.coarser.back().pixels;
-    return {linear_from_srgb_byte(texel[0]), linear_from_srgb_byte(texel[1]), linear_from_srgb_byte(texel[2])};
+    return glm::vec3(mean_texel(scene.images[index(ref.image)], Texels::kLight));
 }
 
 float brightness_of(const Scene& scene, const Material& material) {

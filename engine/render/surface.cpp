@@ -115,6 +115,7 @@ public:
     Lookup(const Scene& scene, const Instance& instance, const Corners& corners, float width)
         : scene_(scene), instance_(instance), corners_(corners), width_(width) {}
     glm::vec4 color(const TextureRef& ref, bool is_sharp = false) const { return at(ref, Texels::kColors, is_sharp); }
+    glm::vec4 light(const TextureRef& ref) const { return at(ref, Texels::kLight, false); }
     glm::vec4 numbers(const TextureRef& ref) const { return at(ref, Texels::kNumbers, false); }
     bool has(const TextureRef& ref) const { return has_pixels(scene_.images, ref); }
 
@@ -242,7 +243,7 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     if (material.alpha_mode == AlphaMode::kMask) surface.opacity = color.a >= material.alpha_cutoff ? 1.0f : 0.0f;
     if (material.alpha_mode == AlphaMode::kBlend) surface.opacity = unit(color.a);
     if (material.emission != glm::vec3(0.0f)) {
-        surface.emission = material.emission * glm::vec3(lookup.color(material.emission_texture));
+        surface.emission = material.emission * glm::vec3(lookup.light(material.emission_texture));
     }
     const bool is_whole = detail == Detail::kAll || material.transmission > 0.0f;
     if (is_whole) set_scattering(material, lookup, &surface);

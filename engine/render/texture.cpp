@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <glm/common.hpp>
+
+#include "engine/scene/half.h"
 
 namespace zoe {
 
@@ -42,16 +45,25 @@ int wrap_texel(int i, int size, Wrap wrap) {
 struct Pixels {
     int width, height;
     const uint8_t* bytes;
+    bool is_half;
 };
 
 Pixels pixels_of(const Image& image, size_t level) {
-    if (level == 0) return {image.width, image.height, image.pixels.data()};
+    if (level == 0) return {image.width, image.height, image.pixels.data(), image.is_half};
     const ImageLevel& coarser = image.coarser[level - 1];
-    return {coarser.width, coarser.height, coarser.pixels.data()};
+    return {coarser.width, coarser.height, coarser.pixels.data(), image.is_half};
+}
+
+glm::vec4 half_texel(const Pixels& pixels, size_t at, Texels texels) {
+    uint16_t h[4];
+    std::memcpy(h, pixels.bytes + sizeof h * at, sizeof h);
+    const glm::vec4 value(float_from_half(h[0]), float_from_half(h[1]), float_from_half(h[2]), float_from_half(h[3]));
+    return texels == Texels::kLight ? value : glm::min(value, glm::vec4(1.0f));
 }
 
 glm::vec4 texel(const Pixels& pixels, int x, int y, Texels texels) {
     const size_t at = static_cast<size_t>(y) * static_cast<size_t>(pixels.width) + static_cast<size_t>(x);
+    if (pixels.is_half) return half_texel(pixels, at, texels);
     const uint8_t* const p = pixels.bytes + 4 * at;
     constexpr float kScale = 1.0f / 255.0f;
     if (texels == Texels::kNumbers) return kScale * glm::vec4(p[0], p[1], p[2], p[3]);
@@ -90,6 +102,11 @@ float level_of(const Image& image, const TextureRef& texture, float uv_width) {
 bool has_pixels(std::span<const Image> images, const TextureRef& texture) {
     return texture.image != kNone<ImageId> && index(texture.image) < images.size() &&
            !images[index(texture.image)].pixels.empty();
+}
+
+glm::vec4 mean_texel(const Image& image, Texels texels) {
+    const Pixels coarsest = pixels_of(image, image.coarser.size());
+    return coarsest.width == 1 && coarsest.height == 1 ? texel(coarsest, 0, 0, texels) : glm::vec4(1.0f);
 }
 
 glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& texture, const glm::vec2& uv, float uv_width,

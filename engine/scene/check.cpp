@@ -160,13 +160,13 @@ std::string check_material(const Material& material, const Scene& scene) {
 }
 
 std::string check_image(const Image& image, const Scene&) {
-    const auto is_whole = [](const auto& level) {
-        return level.width > 0 && level.height > 0 &&
-               level.pixels.size() == size_t{4} * static_cast<size_t>(level.width) * static_cast<size_t>(level.height);
+    const auto is_whole = [&](const auto& level) {
+        const size_t row_bytes = image.texel_bytes() * static_cast<size_t>(level.width);
+        return level.width > 0 && level.height > 0 && level.pixels.size() == row_bytes * static_cast<size_t>(level.height);
     };
-    if (!image.pixels.empty() && !is_whole(image)) return "its pixels are not 4 * width * height";
+    if (!image.pixels.empty() && !is_whole(image)) return "its pixels are not texel_bytes * width * height";
     if (!std::all_of(image.coarser.begin(), image.coarser.end(), is_whole))
-        return "a level's pixels are not 4 * width * height";
+        return "a level's pixels are not texel_bytes * width * height";
     return {};
 }
 

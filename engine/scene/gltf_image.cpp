@@ -3,6 +3,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "engine/scene/decode_image.h"
 #include "engine/scene/gltf_material.h"
 #include "engine/scene/gltf_uri.h"
 #include "engine/scene/image_levels.h"
@@ -33,22 +34,26 @@ std::string source_of(const GltfFile& file, const GltfImage& image) {
     return find_uri_file(image.uri, file.folder).string();
 }
 
+/// How materials show an image, as what asks for most.
+enum class Shown : uint8_t { kNot, kAsNumbers, kAsColor, kAsLight };
+
 /// An image that has been decoded, or the reason why not.
 struct Decoded {
     size_t image = 0;
     std::string error;
 };
 
+/// By source_of, and by what the numbers mean.
+using DecodedImages = std::map<std::pair<std::string, Shown>, Decoded>;
+
 /// Fills an image's pixels, unless an image before it has them.
 /// originals  of the images before it; its own is added.
-/// decoded    by source_of, and by what the numbers mean.
 /// Returns    the reason why it has none; empty where all is well.
 /// Throws     std::runtime_error with the reason, too.
-std::string read_pixels(const GltfFile& file, const GltfImage& from, uint64_t max_pixels,
-                        std::map<std::pair<std::string, bool>, Decoded>& decoded, std::vector<size_t>& originals,
-                        Image& image) {
+std::string read_pixels(const GltfFile& file, const GltfImage& from, Shown as, uint64_t max_pixels, DecodedImages& decoded,
+                        std::vector<size_t>& originals, Image& image) {
     originals.push_back(originals.size());
-    const auto [found, is_new] = decoded.try_emplace({source_of(file, from), image.is_color}, Decoded{originals.back(), {}});
+    const auto [found, is_new] = decoded.try_emplace({source_of(file, from), as}, Decoded{originals.back(), {}});
     std::string& error = found->second.error;
     originals.back() = found->second.image;
     if (is_new) {
@@ -62,9 +67,6 @@ std::string read_pixels(const GltfFile& file, const GltfImage& from, uint64_t ma
     return error;
 }
 
-/// How materials show an image.
-enum class Shown : uint8_t { kNot, kAsNumbers, kAsColor };
-
 std::vector<Shown> how_shown(size_t image_count, const Scene& scene) {
     std::vector<Shown> shown(image_count, Shown::kNot);
     for (const Material& material : scene.materials) {
@@ -72,7 +74,8 @@ std::vector<Shown> how_shown(size_t image_count, const Scene& scene) {
         for (size_t i = 0; i < textures.size(); ++i) {
             if (textures[i]->image == kNone<ImageId>) continue;
             Shown& as = shown[index(textures[i]->image)];
-            as = std::max(as, i < kColorTextureCount ? Shown::kAsColor : Shown::kAsNumbers);
+            const bool is_light = textures[i] == &material.emission_texture;
+            as = std::max(as, is_light ? Shown::kAsLight : i < kColorTextureCount ? Shown::kAsColor : Shown::kAsNumbers);
         }
     }
     return shown;
@@ -86,7 +89,7 @@ std::string place_of(const GltfImage& from, size_t i) {
 
 std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options, Scene& scene) {
     const std::vector<Shown> as = how_shown(file.images.size(), scene);
-    std::map<std::pair<std::string, bool>, Decoded> decoded;
+    DecodedImages decoded;
     std::vector<Image> images;
     std::vector<size_t> originals;
     for (size_t i = 0; i < file.images.size(); ++i) {
@@ -94,10 +97,11 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
         Image image;
         image.name = !from.name.empty() ? from.name : from.uri.starts_with("data:") ? std::string() : from.uri;
         image.is_color = as[i] != Shown::kAsNumbers;
+        image.is_light = as[i] == Shown::kAsLight;
         if (options.load_images && as[i] != Shown::kNot) {
             std::string error;
             try {
-                error = read_pixels(file, from, options.max_pixels, decoded, originals, image);
+                error = read_pixels(file, from, as[i], options.max_pixels, decoded, originals, image);
             } catch (const std::runtime_error& exception) {
                 error = exception.what();
             }
@@ -109,6 +113,10 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
     }
     copy_and_fit(originals, &images, options.max_pixels);
     for (size_t i = 0; i < images.size(); ++i) {
+        if (images[i].replaced > 0) {
+            scene.warn(fmt::format("{}: {} of its numbers are not from 0 to {}: replaced", place_of(file.images[i], i),
+                                   images[i].replaced, images[i].is_light ? "65504, or of alpha to 1" : "1"));
+        }
         if (images[i].halvings == 0) continue;
         scene.warn(fmt::format("{}: halved {} times, to {} x {} texels: images may have {} together",
                                place_of(file.images[i], i), images[i].halvings, images[i].width, images[i].height,

@@ -15,9 +15,6 @@
 #include <fmt/format.h>
 
 #include "engine/scene/error.h"
-#include "engine/scene/image_levels.h"
-#include "engine/scene/jpeg_strip.h"
-#include "engine/scene/png_check.h"
 
 namespace zoe {
 namespace {
@@ -27,62 +24,10 @@ namespace fs = std::filesystem;
 constexpr int kMaxSide = 16384;
 constexpr uint64_t kMaxPictureValues = uint64_t{1} << 28;  // numbers of a picture of floats: 1 GiB
 
-/// OpenImageIO's name of the format, told by the first bytes. (Asked by a file name, it looks for the file.) Those that
-/// glTF's pictures have: its readers of others take as much memory as a few bytes of the file ask for, before anyone is
-/// told.
-const char* format_of(std::span<const std::byte> bytes) {
-    const auto begins = [&](std::string_view magic, size_t at = 0) {
-        return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
-    };
-    if (begins("\x89PNG")) return "png";
-    if (begins("\xff\xd8\xff")) return "jpeg";
-    if (begins("RIFF") && begins("WEBP", 8)) return "webp";
-    return nullptr;
-}
-
 std::string one_line(const std::string& text) {
     std::string line = plain_line(text);
     while (!line.empty() && line.back() == ' ') line.pop_back();
     return line;
-}
-
-/// Repeats grey, and adds opaque alpha, where pixels have less than 4 channels.
-std::vector<uint8_t> to_rgba(const std::vector<uint8_t>& from, size_t pixel_count, size_t channel_count) {
-    std::vector<uint8_t> rgba(pixel_count * 4, 255);
-    const bool is_grey = channel_count < 3;
-    for (size_t i = 0; i < pixel_count; ++i) {
-        const uint8_t* p = &from[i * channel_count];
-        for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = p[is_grey ? 0 : c];
-        if (channel_count == 2 || channel_count >= 4) rgba[4 * i + 3] = p[is_grey ? 1 : 3];
-    }
-    return rgba;
-}
-
-/// Reads pixels into the image: as they are, or bands of rows at a time, of which each becomes one row.
-/// Returns    false where they cannot be read.
-bool read_rows(OIIO::ImageInput& in, const OIIO::ImageSpec& spec, int halvings, Image* image) {
-    const int channel_count = std::min(spec.nchannels, 4);
-    const int band = halvings > 0 ? 1 << halvings : spec.height;
-    const size_t row_pixels = static_cast<size_t>(spec.width);
-    std::vector<uint8_t> rows;
-    for (int y = 0; y < spec.height; y += band) {
-        const int end = std::min(spec.height, y + band);
-        const size_t pixel_count = row_pixels * static_cast<size_t>(end - y);
-        rows.resize(pixel_count * static_cast<size_t>(channel_count));
-        const bool is_read = halvings > 0
-                                 ? in.read_scanlines(0, 0, y, end, 0, 0, channel_count, OIIO::TypeDesc::UINT8, rows.data())
-                                 : in.read_image(0, 0, 0, channel_count, OIIO::TypeDesc::UINT8, rows.data());
-        if (!is_read) return false;
-        ImageLevel level{spec.width, end - y, {}};
-        level.pixels = channel_count == 4 ? std::move(rows) : to_rgba(rows, pixel_count, static_cast<size_t>(channel_count));
-        for (int i = 0; i < halvings; ++i) level = halved(level.width, level.height, level.pixels, image->is_color);
-        if (halvings == 0) {
-            image->pixels = std::move(level.pixels);
-        } else {
-            image->pixels.insert(image->pixels.end(), level.pixels.begin(), level.pixels.end());
-        }
-    }
-    return true;
 }
 
 /// The picture's name while it is being written; removed unless it was renamed.
@@ -141,65 +86,6 @@ void write_pixels(const fs::path& file, OIIO::ImageSpec spec, const char* format
 }
 
 }  // namespace
-
-bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels) {
-    const auto fail = [&](const std::string& reason) {
-        *error = one_line(reason);
-        return false;
-    };
-    image->width = image->height = image->halvings = 0;
-    image->pixels.clear();
-    image->coarser.clear();
-    const char* format = format_of(encoded);
-    if (format == nullptr) return fail("not a picture of a known format");
-    if (std::string_view(format) == "png" && !is_whole_png(encoded)) return fail("a truncated or damaged PNG");
-    std::vector<std::byte> stripped;
-    if (std::string_view(format) == "jpeg") {
-        stripped = without_metadata(encoded);
-        encoded = stripped;
-    }
-    try {
-        OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(encoded.data()), encoded.size());
-        OIIO::ImageSpec config;
-        config.attribute("oiio:UnassociatedAlpha", 1);  // As stored: not multiplied by alpha.
-        OIIO::Filesystem::IOProxy* proxy = &memory;
-        config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-        const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::create(format);
-        if (!in) return fail(OIIO::geterror());
-        if (!in->supports("ioproxy")) return fail("pictures of this format are not read from memory");
-        OIIO::ImageSpec spec;
-        if (!in->open(format, spec, config)) {
-            const std::string reason = in->geterror();
-            return fail(reason.empty() ? "it cannot be decoded" : reason);
-        }
-        if (spec.width <= 0 || spec.height <= 0 || spec.width > kMaxSide || spec.height > kMaxSide) {
-            return fail(fmt::format("{} x {} pixels; {} a side are allowed", spec.width, spec.height, kMaxSide));
-        }
-        if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1) return fail("not an image of 1 to 16 channels");
-        int halvings = 0;
-        const auto side = [&](int size) { return static_cast<uint64_t>(((size - 1) >> halvings) + 1); };
-        while (side(spec.width) * side(spec.height) > max_pixels) {
-            if (++halvings > kMaxHalvings) {
-                return fail(
-                    fmt::format("{} x {} pixels, where {} are left for images", spec.width, spec.height, max_pixels));
-            }
-        }
-        const bool is_read = read_rows(*in, spec, halvings, image);
-        // A truncated JPEG reads "well", with an error set.
-        if (!is_read || in->has_error()) {
-            const std::string reason = in->geterror();
-            image->pixels.clear();
-            return fail(reason.empty() ? "it cannot be decoded" : reason);
-        }
-        image->width = static_cast<int>(side(spec.width));
-        image->height = static_cast<int>(side(spec.height));
-        image->halvings = halvings;
-        return true;
-    } catch (const std::exception& exception) {
-        image->pixels.clear();
-        return fail(exception.what());
-    }
-}
 
 void write_exr(const fs::path& file, int width, int height, std::span<const Channel> channels, const PictureNotes& notes) {
     if (width <= 0 || height <= 0 || channels.empty())

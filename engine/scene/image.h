@@ -10,34 +10,29 @@
 
 namespace zoe {
 
-/// A coarser form of an image: 8-bit RGBA, as it.
+/// A coarser form of an image, with texels as it.
 struct ImageLevel {
     int width = 0, height = 0;
-    std::vector<uint8_t> pixels;  ///< [height * width * 4]
+    std::vector<uint8_t> pixels;
 
     bool operator==(const ImageLevel&) const = default;
 };
 
-/// 8-bit RGBA pixels as stored in the file, top row first. No pixels: missing.
+/// RGBA pixels as stored in the file, top row first. No pixels: missing.
 struct Image {
     std::string name;
-    bool is_color = true;  ///< Red, green and blue are sRGB, where they are averaged; else plain numbers.
-    int halvings = 0;      ///< How often both sides were halved when it was loaded, to fit.
+    bool is_color = true;  ///< Red, green and blue are sRGB where they are bytes, and averaged as light; else plain numbers.
+    bool is_light = false;  ///< Shown as emission: red, green and blue may be above 1 where they are halves.
+    bool is_half = false;   ///< A texel is four halves in [0, 65504], linear all of them; else four bytes.
+    uint64_t replaced = 0;  ///< How many of the file's numbers were none that it can have.
+    int halvings = 0;       ///< How often both sides were halved when it was loaded, to fit.
     int width = 0, height = 0;
-    std::vector<uint8_t> pixels;      ///< [height * width * 4]
+    std::vector<uint8_t> pixels;      ///< [height * width * texel_bytes()]
     std::vector<ImageLevel> coarser;  ///< Each half as large as the one before (image_levels.h), or none.
 
+    size_t texel_bytes() const { return is_half ? 8 : 4; }
     bool operator==(const Image&) const = default;
 };
-
-/// How often both sides of an image are halved at most when it is decoded.
-inline constexpr int kMaxHalvings = 3;
-
-/// Decodes a scene's picture: PNG, JPEG or WebP. Its name and `is_color` stay.
-/// max_pixels how many the image may have at most: one that has more, as its header tells before pixels are read, is halved
-///            row by row while it is decoded; it is refused where kMaxHalvings do not do.
-/// Returns    false, with the reason in `error`, for broken files and for more than 16384 pixels a side.
-bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels = UINT64_MAX);
 
 /// One layer channel of a picture to write: name ("R", "depth.Z", "node.id") and [height * width] values.
 struct Channel {

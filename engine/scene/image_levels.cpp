@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstring>
 #include <numeric>
 
 #include "engine/math/parallel.h"
+#include "engine/scene/half.h"
 #include "engine/scene/srgb.h"
 
 namespace zoe {
@@ -33,13 +35,35 @@ Cover cover(int i, int from, int to) {
     return result;
 }
 
-uint64_t texel_count(const Image& image) {
-    return static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
+/// In pixels of four bytes.
+uint64_t size_of(const Image& image) {
+    return static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height) * image.texel_bytes() / 4;
 }
+
+/// What levels do with a texel's channels: bytes, of which the first three may be sRGB, or halves.
+struct ByteTexel {
+    using Channel = uint8_t;
+    bool is_color;
+
+    float decode(uint8_t byte, size_t channel) const {
+        return is_color && channel < 3 ? linear_from_srgb_byte(byte) : static_cast<float>(byte);
+    }
+    uint8_t encode(float number, size_t channel) const {
+        return is_color && channel < 3 ? srgb_byte_from_linear(number) : static_cast<uint8_t>(number + 0.5f);
+    }
+};
+
+struct HalfTexel {
+    using Channel = uint16_t;
+
+    float decode(uint16_t half, size_t) const { return float_from_half(half); }
+    uint16_t encode(float number, size_t) const { return half_from_float(std::min(number, float_from_half(kHalfLargest))); }
+};
 
 /// An image and its levels without what they hold.
 Image sizes_of(const Image& image) {
     Image sizes;
+    sizes.is_half = image.is_half;
     sizes.halvings = image.halvings;
     sizes.width = image.width;
     sizes.height = image.height;
@@ -52,6 +76,9 @@ Image from_level(const Image& image, size_t level) {
     if (level == 0) return image;
     Image copy;
     copy.is_color = image.is_color;
+    copy.is_light = image.is_light;
+    copy.is_half = image.is_half;
+    copy.replaced = image.replaced;
     copy.halvings = image.halvings + static_cast<int>(level);
     copy.width = image.coarser[level - 1].width;
     copy.height = image.coarser[level - 1].height;
@@ -60,33 +87,31 @@ Image from_level(const Image& image, size_t level) {
     return copy;
 }
 
-}  // namespace
-
-ImageLevel halved(int width, int height, std::span<const uint8_t> pixels, bool is_color) {
-    assert(width > 0 && height > 0);
-    ImageLevel to{(width + 1) / 2, (height + 1) / 2, {}};
-    const size_t from_row = size_t{4} * static_cast<size_t>(width), to_row = size_t{4} * static_cast<size_t>(to.width);
-    to.pixels.resize(to_row * static_cast<size_t>(to.height));
+template <typename Texel>
+ImageLevel halve(const ImageLevel& from, const Texel& texel) {
+    using Channel = typename Texel::Channel;
+    constexpr size_t kTexelBytes = 4 * sizeof(Channel);
+    assert(from.width > 0 && from.height > 0);
+    ImageLevel to{(from.width + 1) / 2, (from.height + 1) / 2, {}};
+    const size_t from_row = static_cast<size_t>(from.width), to_row = static_cast<size_t>(to.width);
+    to.pixels.resize(kTexelBytes * to_row * static_cast<size_t>(to.height));
     const auto halve_row = [&](size_t y) {
-        const Cover rows = cover(static_cast<int>(y), height, to.height);
+        const Cover rows = cover(static_cast<int>(y), from.height, to.height);
         for (int x = 0; x < to.width; ++x) {
-            const Cover columns = cover(x, width, to.width);
+            const Cover columns = cover(x, from.width, to.width);
             float sum[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+            Channel channels[4];
             for (int j = 0; j < rows.count; ++j) {
                 for (int i = 0; i < columns.count; ++i) {
                     const size_t at =
-                        static_cast<size_t>(rows.first + j) * from_row + size_t{4} * static_cast<size_t>(columns.first + i);
+                        static_cast<size_t>(rows.first + j) * from_row + static_cast<size_t>(columns.first + i);
                     const float share = rows.share[static_cast<size_t>(j)] * columns.share[static_cast<size_t>(i)];
-                    for (size_t c = 0; c < 4; ++c) {
-                        const uint8_t byte = pixels[at + c];
-                        sum[c] += share * (is_color && c < 3 ? linear_from_srgb_byte(byte) : static_cast<float>(byte));
-                    }
+                    std::memcpy(channels, &from.pixels[kTexelBytes * at], kTexelBytes);
+                    for (size_t c = 0; c < 4; ++c) sum[c] += share * texel.decode(channels[c], c);
                 }
             }
-            uint8_t* const out = &to.pixels[y * to_row + size_t{4} * static_cast<size_t>(x)];
-            for (size_t c = 0; c < 4; ++c) {
-                out[c] = is_color && c < 3 ? srgb_byte_from_linear(sum[c]) : static_cast<uint8_t>(sum[c] + 0.5f);
-            }
+            for (size_t c = 0; c < 4; ++c) channels[c] = texel.encode(sum[c], c);
+            std::memcpy(&to.pixels[kTexelBytes * (y * to_row + static_cast<size_t>(x))], channels, kTexelBytes);
         }
     };
     parallel_for(0, static_cast<size_t>(to.height), kRowsATask, [&](size_t begin, size_t end) {
@@ -95,16 +120,23 @@ ImageLevel halved(int width, int height, std::span<const uint8_t> pixels, bool i
     return to;
 }
 
+}  // namespace
+
+ImageLevel halved(const ImageLevel& from, bool is_color, bool is_half) {
+    return is_half ? halve(from, HalfTexel{}) : halve(from, ByteTexel{is_color});
+}
+
 void make_levels(Image* image) {
     image->coarser.clear();
     if (image->pixels.empty()) return;
-    if (image->width > 1 || image->height > 1) {
-        image->coarser.push_back(halved(image->width, image->height, image->pixels, image->is_color));
+    // Lent, not copied, as what the first level is made of.
+    ImageLevel finest{image->width, image->height, std::move(image->pixels)};
+    const ImageLevel* last = &finest;
+    while (last->width > 1 || last->height > 1) {
+        image->coarser.push_back(halved(*last, image->is_color, image->is_half));
+        last = &image->coarser.back();
     }
-    while (!image->coarser.empty() && (image->coarser.back().width > 1 || image->coarser.back().height > 1)) {
-        const ImageLevel& last = image->coarser.back();
-        image->coarser.push_back(halved(last.width, last.height, last.pixels, image->is_color));
-    }
+    image->pixels = std::move(finest.pixels);
 }
 
 void drop_finest(Image* image) {
@@ -119,10 +151,10 @@ void drop_finest(Image* image) {
 
 void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
     uint64_t total = 0;
-    for (const Image& image : *images) total += texel_count(image);
+    for (const Image& image : *images) total += size_of(image);
     // Largest first; of equal ones the first in the list.
     const auto is_smaller = [&](size_t a, size_t b) {
-        const uint64_t count_a = texel_count((*images)[a]), count_b = texel_count((*images)[b]);
+        const uint64_t count_a = size_of((*images)[a]), count_b = size_of((*images)[b]);
         return count_a != count_b ? count_a < count_b : a > b;
     };
     std::vector<size_t> heap(total > max_pixels ? images->size() : 0);
@@ -131,14 +163,14 @@ void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
     while (total > max_pixels && !(*images)[heap.front()].coarser.empty()) {
         std::pop_heap(heap.begin(), heap.end(), is_smaller);
         Image& image = (*images)[heap.back()];
-        total -= texel_count(image);
+        total -= size_of(image);
         drop_finest(&image);
-        total += texel_count(image);
+        total += size_of(image);
         std::push_heap(heap.begin(), heap.end(), is_smaller);
     }
     for (size_t i = images->size(); i-- > 0 && total > max_pixels;) {
         Image& image = (*images)[i];
-        total -= texel_count(image);
+        total -= size_of(image);
         image.width = image.height = 0;
         image.pixels = {};
     }

@@ -9,10 +9,10 @@
 namespace zoe {
 
 /// Half a picture's sides, rounded up: every texel is the mean of what it covers, so the picture's mean stays, up to the
-/// rounding of bytes.
-/// pixels     [height * width * 4]
-/// is_color   red, green and blue are sRGB: their light is averaged.
-ImageLevel halved(int width, int height, std::span<const uint8_t> pixels, bool is_color);
+/// rounding of bytes or halves.
+/// is_color   red, green and blue of bytes are sRGB: their light is averaged.
+/// is_half    texels are four halves; else four bytes.
+ImageLevel halved(const ImageLevel& from, bool is_color, bool is_half);
 
 /// Makes all coarser levels of an image that has pixels, down to one texel.
 /// Cost       as many texels as a third of the image's, in parallel over rows.
@@ -22,8 +22,9 @@ void make_levels(Image* image);
 /// Requires   that there are coarser ones.
 void drop_finest(Image* image);
 
-/// Halves the largest images until all of them together have at most so many texels in their finest levels; of equally
-/// large ones the first. What is left when they are single texels is dropped from the last image on.
+/// Halves the largest images until all of them together have at most so many pixels in their finest levels, those of halves
+/// counting twice; of equally large ones the first. What is left when they are single texels is dropped from the last image
+/// on.
 void fit_images(std::vector<Image>* images, uint64_t max_pixels);
 
 /// Makes images that are copies of others, and halves all as `fit_images` does. Takes no more memory than what was there

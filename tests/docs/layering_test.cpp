@@ -103,7 +103,7 @@ struct Owner {
 const std::vector<Owner>& owners() {
     static const std::vector<Owner> list = {
         {"tinygltf", "tiny_gltf.h", {"engine/scene/gltf"}},
-        {"OpenImageIO", "OpenImageIO/", {"engine/scene/image.cpp"}},
+        {"OpenImageIO", "OpenImageIO/", {"engine/scene/image.cpp", "engine/scene/decode_image.cpp"}},
         {"OpenSubdiv", "opensubdiv/", {"engine/deform/subdivide"}},
         {"Embree", "embree3/", {"apps/bench/embree_", "apps/bench/peer_embree"}},
         {"TBB", "tbb/", {"engine/math/parallel.cpp"}},

@@ -11,6 +11,7 @@
 
 #include "engine/frame/frame.h"
 #include "engine/math/rng.h"
+#include "engine/scene/decode_image.h"
 #include "engine/scene/gltf.h"
 #include "engine/scene/image.h"
 #include "engine/scene/sequence.h"
@@ -140,8 +141,9 @@ FuzzOutcome fuzz_image(FuzzBytes bytes) {
     }
     const size_t pixel_count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
     if (outcome.is_accepted) {
-        const bool is_sound = image.width > 0 && image.height > 0 && pixel_count <= kOptions.max_pixels;
-        if (!is_sound || image.pixels.size() != 4 * pixel_count) {
+        const bool is_sound =
+            image.width > 0 && image.height > 0 && image.texel_bytes() * pixel_count <= 4 * kOptions.max_pixels;
+        if (!is_sound || image.pixels.size() != image.texel_bytes() * pixel_count) {
             outcome.broken = fmt::format("{} bytes for {} x {} pixels", image.pixels.size(), image.width, image.height);
         }
     } else if (error.empty() || !image.pixels.empty()) {

@@ -204,7 +204,7 @@ std::vector<std::string> gltf_seeds() {
 std::vector<std::string> image_seeds() {
     std::vector<std::string> seeds = {png(1, 1), png(9, 7), png(16, 16)};
     const std::filesystem::path kept = std::filesystem::path(ZOETROPE_SOURCE_DIR) / "tests/fuzz/seeds";
-    for (const char* name : {"a.jpg", "a.webp"}) seeds.push_back(read_bytes(kept / name));
+    for (const char* name : {"a.jpg", "a.webp", "a.hdr", "lines.exr", "tiled.exr"}) seeds.push_back(read_bytes(kept / name));
     return seeds;
 }
 

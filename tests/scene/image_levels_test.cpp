@@ -57,9 +57,9 @@ TEST(ImageLevels, EveryLevelHasTheMeanOfTheImage) {
 }
 
 TEST(ImageLevels, ATexelIsTheMeanOfFourInLight) {
-    const uint8_t pixels[] = {0, 0, 0, 0, 255, 255, 255, 255, 0, 0, 0, 0, 255, 255, 255, 255};
-    EXPECT_EQ(halved(2, 2, pixels, true).pixels, (std::vector<uint8_t>{188, 188, 188, 128}));
-    EXPECT_EQ(halved(2, 2, pixels, false).pixels, (std::vector<uint8_t>{128, 128, 128, 128}));
+    const ImageLevel image{2, 2, {0, 0, 0, 0, 255, 255, 255, 255, 0, 0, 0, 0, 255, 255, 255, 255}};
+    EXPECT_EQ(halved(image, true, false).pixels, (std::vector<uint8_t>{188, 188, 188, 128}));
+    EXPECT_EQ(halved(image, false, false).pixels, (std::vector<uint8_t>{128, 128, 128, 128}));
 }
 
 TEST(ImageLevels, BytesOfLightAreTheStandards) {
