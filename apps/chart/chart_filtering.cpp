@@ -37,7 +37,7 @@ Scene make_floor(bool has_levels) {
     Material material;
     material.is_unlit = material.is_double_sided = true;
     material.base_color_texture.image = ImageId{0};
-    material.base_color_texture.has_levels = has_levels;
+    if (!has_levels) material.base_color_texture.levels = LevelFilter::kFinest;
     const MaterialId tiles = scene.add(material);
     Mesh mesh;
     for (const float x : {-kFloorSize, kFloorSize}) {

@@ -72,13 +72,14 @@ glm::vec4 texel(const Pixels& pixels, int x, int y, Texels texels) {
 }
 
 /// at         within a period of the image.
-glm::vec4 sample_level(const Pixels& pixels, const TextureRef& texture, const glm::vec2& at, Texels texels) {
+glm::vec4 sample_level(const Pixels& pixels, const TextureRef& texture, bool is_nearest, const glm::vec2& at,
+                       Texels texels) {
     const float x = at.x * static_cast<float>(pixels.width), y = at.y * static_cast<float>(pixels.height);
     const auto fetch = [&](int i, int j) {
         return texel(pixels, wrap_texel(i, pixels.width, texture.wrap_s), wrap_texel(j, pixels.height, texture.wrap_t),
                      texels);
     };
-    if (texture.is_nearest) return fetch(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+    if (is_nearest) return fetch(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
 
     const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f);
     const float fx = x - 0.5f - left, fy = y - 0.5f - top;
@@ -86,15 +87,22 @@ glm::vec4 sample_level(const Pixels& pixels, const TextureRef& texture, const gl
     return glm::mix(glm::mix(fetch(i, j), fetch(i + 1, j), fx), glm::mix(fetch(i, j + 1), fetch(i + 1, j + 1), fx), fy);
 }
 
-/// The level, with its fraction, whose texels are as wide as what is looked at.
+/// The level, with its fraction, whose texels are as wide as what is looked at, if there were such; 0 where those of the
+/// finest are not narrower.
 float level_of(const Image& image, const TextureRef& texture, float uv_width) {
-    if (!(uv_width > 0.0f) || !texture.has_levels || image.coarser.empty()) return 0.0f;
+    if (!(uv_width > 0.0f)) return 0.0f;
     const glm::mat3& m = texture.image_from_uv;
     const float stretch = std::abs(m[0].x * m[1].y - m[1].x * m[0].y);
     const float texel_count = static_cast<float>(image.width) * static_cast<float>(image.height);
     const float texels_wide = uv_width * std::sqrt(stretch * texel_count);
-    if (!(texels_wide > 1.0f)) return 0.0f;
-    return std::min(std::log2(texels_wide), static_cast<float>(image.coarser.size()));
+    return texels_wide > 1.0f ? std::log2(texels_wide) : 0.0f;
+}
+
+/// The level that is looked up, with its fraction where that one is blended with the next.
+float filter_level(const Image& image, const TextureRef& texture, float level) {
+    if (texture.levels == LevelFilter::kFinest) return 0.0f;
+    if (texture.levels == LevelFilter::kNearest) level = std::ceil(level - 0.5f);
+    return std::min(level, static_cast<float>(image.coarser.size()));
 }
 
 }  // namespace
@@ -115,12 +123,15 @@ glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& textur
     const Image& image = images[index(texture.image)];
     const glm::vec3 moved = texture.image_from_uv * glm::vec3(uv, 1.0f);
     const glm::vec2 at(reduce(moved.x, texture.wrap_s), reduce(moved.y, texture.wrap_t));
-    const float level = level_of(image, texture, uv_width);
-    const float finer = std::floor(level);
-    const glm::vec4 value = sample_level(pixels_of(image, static_cast<size_t>(finer)), texture, at, texels);
-    if (!(level > finer)) return value;
-    return glm::mix(value, sample_level(pixels_of(image, static_cast<size_t>(finer) + 1), texture, at, texels),
-                    level - finer);
+    const float wanted = level_of(image, texture, uv_width);
+    if (!(wanted > 0.0f)) return sample_level(pixels_of(image, 0), texture, texture.is_nearest, at, texels);
+
+    const float level = filter_level(image, texture, wanted), finer = std::floor(level);
+    const auto look_up = [&](float of) {
+        return sample_level(pixels_of(image, static_cast<size_t>(of)), texture, texture.is_nearest_minified, at, texels);
+    };
+    const glm::vec4 value = look_up(finer);
+    return level > finer ? glm::mix(value, look_up(finer + 1.0f), level - finer) : value;
 }
 
 }  // namespace zoe

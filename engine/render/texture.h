@@ -29,8 +29,8 @@ glm::vec4 mean_texel(const Image& image, Texels texels);
 /// An image's value at a texture coordinate: linear light, or numbers in [0, 1]. (0, 0) is the image's top left corner,
 /// texel centres are at (i + 0.5) / size. Colours are decoded before they are blended.
 /// uv         before the texture's transform; a coordinate that is not finite counts as 0.
-/// uv_width   of what is looked at, before the transform, about: chooses, and blends, the two levels of the image whose
-///            texels are next to as wide. 0: the finest level.
+/// uv_width   of what is looked at, before the transform, about. Where it is wider than a texel, the texture's filter for
+///            that picks texels and levels; else, and where it is 0, its other one picks texels of the finest level.
 /// Returns    white where there is no texture or its image is missing.
 /// Source     Williams. Pyramidal Parametrics. SIGGRAPH 1983.
 glm::vec4 sample_texture(std::span<const Image> images, const TextureRef& texture, const glm::vec2& uv,

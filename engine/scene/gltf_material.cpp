@@ -8,13 +8,42 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr int kNearestFilter = 9728, kLinearFilter = 9729, kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
+constexpr int kClampToEdge = 33071, kMirroredRepeat = 33648, kRepeat = 10497;
+constexpr int kNearest = 9728, kLinear = 9729;
+constexpr int kNearestMipmapNearest = 9984, kLinearMipmapNearest = 9985, kNearestMipmapLinear = 9986,
+              kLinearMipmapLinear = 9987;
+constexpr int kUndefined = -1;  // As tinygltf has it.
 
 Wrap wrap_from(int value, Scene& scene) {
     if (value == kClampToEdge) return Wrap::kClamp;
     if (value == kMirroredRepeat) return Wrap::kMirror;
     if (value != kRepeat) scene.warn("an unknown texture wrap mode: repeated");
     return Wrap::kRepeat;
+}
+
+/// What is undefined or unknown stays as it is: linear, and levels blended.
+void read_filters(const tinygltf::Sampler& sampler, TextureRef& ref, Scene& scene) {
+    ref.is_nearest = sampler.magFilter == kNearest;
+    bool is_known = ref.is_nearest || sampler.magFilter == kLinear || sampler.magFilter == kUndefined;
+    switch (sampler.minFilter) {
+        case kNearest:
+        case kNearestMipmapNearest:
+        case kNearestMipmapLinear:
+            ref.is_nearest_minified = true;
+            break;
+        case kLinear:
+        case kLinearMipmapNearest:
+        case kLinearMipmapLinear:
+        case kUndefined:
+            break;
+        default:
+            is_known = false;
+    }
+    if (sampler.minFilter == kNearest || sampler.minFilter == kLinear) ref.levels = LevelFilter::kFinest;
+    if (sampler.minFilter == kNearestMipmapNearest || sampler.minFilter == kLinearMipmapNearest) {
+        ref.levels = LevelFilter::kNearest;
+    }
+    if (!is_known) scene.warn("an unknown texture filter: linear");
 }
 
 glm::vec2 vec2_of(const Value& object, const char* member, const glm::vec2& missing) {
@@ -59,8 +88,7 @@ TextureRef texture_from(const GltfFile& file, int texture_index, int uv_set, con
         const tinygltf::Sampler& sampler = file.model.samplers[static_cast<size_t>(texture.sampler)];
         ref.wrap_s = wrap_from(sampler.wrapS, scene);
         ref.wrap_t = wrap_from(sampler.wrapT, scene);
-        ref.is_nearest = sampler.magFilter == kNearestFilter;
-        ref.has_levels = sampler.minFilter != kNearestFilter && sampler.minFilter != kLinearFilter;
+        read_filters(sampler, ref, scene);
     }
     return ref;
 }

@@ -18,13 +18,21 @@ namespace zoe {
 enum class Wrap : uint8_t { kRepeat, kMirror, kClamp };
 enum class AlphaMode : uint8_t { kOpaque, kMask, kBlend };
 
+/// Which levels of an image are looked up where its texels are narrower than what is looked at.
+enum class LevelFilter : uint8_t {
+    kFinest,   ///< The image itself, as if it had no others.
+    kNearest,  ///< The one whose texels are nearest to as wide.
+    kBlended,  ///< The two next to that, blended.
+};
+
 /// Where a material's value is looked up.
 struct TextureRef {
     ImageId image = kNone<ImageId>;
     uint8_t uv_set = 0;  ///< 0 or 1.
     Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
-    bool is_nearest = false;        ///< Else bilinear.
-    bool has_levels = true;         ///< What is far away is looked up in coarser levels of the image.
+    bool is_nearest = false;  ///< Where texels are as wide as what is looked at, or wider: the nearest; else bilinear.
+    bool is_nearest_minified = false;  ///< The same where they are narrower, in each level that is looked up.
+    LevelFilter levels = LevelFilter::kBlended;
     glm::mat3 image_from_uv{1.0f};  ///< KHR_texture_transform, acting on (u, v, 1).
 
     bool operator==(const TextureRef&) const = default;

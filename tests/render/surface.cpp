@@ -220,7 +220,7 @@ TEST(Surface, WhatIsFarAwayShowsCoarserTexels) {
     scene.images.push_back(image);
     Material material;
     material.base_color_texture.image = ImageId{0};
-    material.base_color_texture.is_nearest = true;
+    material.base_color_texture.is_nearest = material.base_color_texture.is_nearest_minified = true;
     add_node(scene, make_floor(1.0f, 0.0f, scene.add(material)));
     const Tlas& tlas = advance(scene, 0.0);
     const Ray ray{.origin = {0.01f, 5, 0.01f}, .direction = {0, -1, 0}};
@@ -232,9 +232,9 @@ TEST(Surface, WhatIsFarAwayShowsCoarserTexels) {
     EXPECT_NEAR(red({2.0f * texel, 0.0f}), 0.5f, 0.005f);
     EXPECT_NEAR(red({0.0f, 2.0f * texel / 5.0f}), 0.5f, 0.005f);
     EXPECT_NEAR(red({std::sqrt(2.0f) * texel, 0.0f}), 0.75f, 0.005f) << "half way between two levels";
-    scene.materials[0].base_color_texture.has_levels = false;
+    scene.materials[0].base_color_texture.levels = LevelFilter::kFinest;
     EXPECT_EQ(red({2.0f * texel, 0.0f}), 1.0f);
-    scene.materials[0].base_color_texture.has_levels = true;
+    scene.materials[0].base_color_texture.levels = LevelFilter::kBlended;
     scene.materials[0].alpha_mode = AlphaMode::kMask;
     EXPECT_EQ(red({2.0f * texel, 0.0f}), 1.0f) << "masks stay sharp";
 }

@@ -1,9 +1,12 @@
 #include "engine/render/texture.h"
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "engine/scene/half.h"
 
 namespace zoe::test {
 namespace {
@@ -112,6 +115,64 @@ TEST(Texture, NoTextureAndAMissingImageAreWhite) {
     EXPECT_EQ(sample_texture({}, TextureRef{}, {0.5f, 0.5f}), glm::vec4(1.0f));
     const std::vector<Image> missing(1);
     EXPECT_EQ(sample_texture(missing, nearest(Wrap::kRepeat), {0.5f, 0.5f}), glm::vec4(1.0f));
+}
+
+/// A row of texels and its levels, that hold other numbers than its means: those tell which one was looked up.
+std::vector<Image> row_of_levels() {
+    Image image{.is_color = false, .is_half = true, .width = 4, .height = 1};
+    const auto append = [](std::vector<uint8_t>* pixels, std::initializer_list<float> numbers) {
+        for (const float number : numbers) {
+            const uint16_t half = half_from_float(number);
+            for (int c = 0; c < 4; ++c)
+                pixels->insert(pixels->end(), {static_cast<uint8_t>(half & 255), static_cast<uint8_t>(half >> 8)});
+        }
+    };
+    append(&image.pixels, {1, 2, 3, 4});
+    image.coarser = {{2, 1, {}}, {1, 1, {}}};
+    append(&image.coarser[0].pixels, {16, 32});
+    append(&image.coarser[1].pixels, {512});
+    return {image};
+}
+
+TEST(Texture, MinifyingFiltersPickTexelsAndLevelsAsGltfMeansThem) {
+    const std::vector<Image> images = row_of_levels();
+    constexpr float kU =
+        0.25f + 1.0f / 16.0f;  // A quarter into the second of 4 texels, and right of the middle of the first of 2.
+    constexpr float kNearest[] = {2.0f, 16.0f, 512.0f}, kLinear[] = {1.75f, 18.0f, 512.0f};
+    for (const bool is_nearest : {true, false}) {
+        for (const LevelFilter levels : {LevelFilter::kFinest, LevelFilter::kNearest, LevelFilter::kBlended}) {
+            TextureRef texture;
+            texture.image = ImageId{0};
+            texture.wrap_s = texture.wrap_t = Wrap::kClamp;
+            texture.is_nearest_minified = is_nearest;
+            texture.levels = levels;
+            const float* const of = is_nearest ? kNearest : kLinear;
+            const auto at = [&](float level) {
+                // The image's area is 4 texels: its texels count as half as wide as those of 4 x 4.
+                const float uv_width = std::exp2(level) / 2.0f;
+                return sample_texture(images, texture, {kU, 0.5f}, uv_width, Texels::kLight).r;
+            };
+            SCOPED_TRACE(testing::Message() << is_nearest << ", " << int(levels));
+            for (const bool is_nearest_magnified : {true, false}) {
+                texture.is_nearest = is_nearest_magnified;
+                EXPECT_EQ(at(-0.01f), is_nearest_magnified ? kNearest[0] : kLinear[0]);
+                EXPECT_EQ(sample_texture(images, texture, {kU, 0.5f}, 0.0f, Texels::kLight).r,
+                          is_nearest_magnified ? kNearest[0] : kLinear[0]);
+            }
+            for (const float level : {0.01f, 0.3f, 0.49f, 0.51f, 0.75f, 1.25f, 1.49f, 1.51f, 1.9f, 2.5f, 9.0f}) {
+                const float clamped = std::min(level, 2.0f);
+                const auto finer = static_cast<size_t>(clamped);
+                const float share = clamped - static_cast<float>(finer);
+                const float blended = finer == 2 ? of[2] : (1.0f - share) * of[finer] + share * of[finer + 1];
+                const float expected = levels == LevelFilter::kFinest    ? of[0]
+                                       : levels == LevelFilter::kNearest ? of[clamped < 0.5f   ? 0
+                                                                              : clamped < 1.5f ? 1
+                                                                                               : 2]
+                                                                         : blended;
+                EXPECT_NEAR(at(level), expected, 1e-3f) << level;
+            }
+        }
+    }
 }
 
 }  // namespace

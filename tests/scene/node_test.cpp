@@ -307,14 +307,31 @@ TEST(MaterialReader, FactorsOutOfRangeAreClampedAndToldOf) {
     EXPECT_EQ(scene.warnings().begin()->second, 2u);
 }
 
-TEST(MaterialReader, SamplersWithoutLevelsHaveNone) {
-    for (const auto& [filter, has_levels] : {std::pair(9728, false), {9729, false}, {9984, true}, {9987, true}}) {
+TEST(MaterialReader, SamplersHaveTheirFilters) {
+    struct Case {
+        int filter;
+        bool is_nearest;
+        LevelFilter levels;
+    };
+    for (const Case& expected : {Case{9728, true, LevelFilter::kFinest}, Case{9729, false, LevelFilter::kFinest},
+                                 Case{9984, true, LevelFilter::kNearest}, Case{9985, false, LevelFilter::kNearest},
+                                 Case{9986, true, LevelFilter::kBlended}, Case{9987, false, LevelFilter::kBlended},
+                                 Case{0, false, LevelFilter::kBlended}, Case{1, false, LevelFilter::kBlended}}) {
         GlbBuilder glb;
         glb.push("images", {{"uri", "missing.png"}});
-        glb.push("samplers", {{"minFilter", filter}});
+        glb.push("samplers", nlohmann::json::object());
+        if (expected.filter > 0) glb.json["samplers"][0]["minFilter"] = expected.filter;
         glb.push("textures", {{"source", 0}, {"sampler", 0}});
         glb.push("materials", {{"emissiveTexture", {{"index", 0}}}});
-        EXPECT_EQ(glb.load().materials[0].emission_texture.has_levels, has_levels) << filter;
+        for (const int magnified : {9728, 9729}) {
+            glb.json["samplers"][0]["magFilter"] = magnified;
+            const Scene scene = glb.load();
+            const TextureRef& texture = scene.materials[0].emission_texture;
+            EXPECT_EQ(texture.is_nearest, magnified == 9728) << expected.filter;
+            EXPECT_EQ(texture.is_nearest_minified, expected.is_nearest) << expected.filter;
+            EXPECT_EQ(texture.levels, expected.levels) << expected.filter;
+            EXPECT_EQ(scene.warnings().size(), expected.filter == 1 ? 2u : 1u) << "the missing image";
+        }
     }
 }
 
