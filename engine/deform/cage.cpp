@@ -60,17 +60,17 @@ std::string check_sizes(const Cage& cage, size_t vertex_count) {
     return "";
 }
 
-std::string check_uvs(const Cage& cage) {
-    if (cage.uvs.empty() && cage.uv_corners.empty()) return "";
-    if (cage.uv_corners.size() != cage.vertices.size())
-        return "there are " + std::to_string(cage.uv_corners.size()) + " texture coordinate indices for " +
+std::string check_uvs(const Cage& cage, const CageUvs& uvs) {
+    if (uvs.values.empty() && uvs.corners.empty()) return "";
+    if (uvs.corners.size() != cage.vertices.size())
+        return "there are " + std::to_string(uvs.corners.size()) + " texture coordinate indices for " +
                std::to_string(cage.vertices.size()) + " corners";
-    if (cage.uvs.size() > INT32_MAX) return "the cage has too many texture coordinates";
-    for (const uint32_t uv : cage.uv_corners) {
-        if (uv >= cage.uvs.size())
-            return "texture coordinate index " + std::to_string(uv) + " of " + std::to_string(cage.uvs.size());
+    if (uvs.values.size() > INT32_MAX) return "the cage has too many texture coordinates";
+    for (const uint32_t uv : uvs.corners) {
+        if (uv >= uvs.values.size())
+            return "texture coordinate index " + std::to_string(uv) + " of " + std::to_string(uvs.values.size());
     }
-    for (const glm::vec2& uv : cage.uvs) {
+    for (const glm::vec2& uv : uvs.values) {
         if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) return "a texture coordinate is not finite";
     }
     return "";
@@ -238,7 +238,9 @@ std::string check(const Cage& cage, size_t vertex_count, int level) {
         return "level " + std::to_string(level) + " would make " + std::to_string(count_triangles(cage, level)) +
                " triangles: too many for their stencils";
     if (std::string fault = check_distinct(cage, vertex_count); !fault.empty()) return fault;
-    if (std::string fault = check_uvs(cage); !fault.empty()) return fault;
+    for (const CageUvs& uvs : cage.uvs) {
+        if (std::string fault = check_uvs(cage, uvs); !fault.empty()) return fault;
+    }
     const Corners corners = connect(cage);
     const std::vector<HalfEdge> halves = sorted_half_edges(cage, corners);
     std::vector<uint32_t> twins;

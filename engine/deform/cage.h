@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,6 +31,15 @@ enum class UvRule {
     kLinear,      ///< Bilinear everywhere.
 };
 
+/// How many sets of texture coordinates a cage, or a mesh, may have.
+inline constexpr size_t kMaxUvSets = 8;
+
+/// Face-varying texture coordinates: where the corners of a vertex differ, there is a seam.
+struct CageUvs {
+    std::vector<glm::vec2> values;
+    std::vector<uint32_t> corners;  ///< [corner_count] indices into values, or empty.
+};
+
 /// The topology of a subdivision surface's control mesh: plain arrays, no positions, since those change by frame.
 /// Source     Catmull, Clark. Recursively Generated B-Spline Surfaces on Arbitrary Topological Meshes. CAD 1978.
 ///            Loop. Smooth Subdivision Surfaces Based on Triangles. University of Utah 1987.
@@ -44,8 +54,7 @@ struct Cage {
     std::vector<float> crease_sharpness;                ///< [crease] 0 smooth; 10 and more: sharp at every level.
     std::vector<uint32_t> corner_vertices;              ///< Vertices that are sharpened.
     std::vector<float> corner_sharpness;                ///< [corner vertex] as for creases.
-    std::vector<glm::vec2> uvs;                         ///< Face-varying texture coordinates, or empty.
-    std::vector<uint32_t> uv_corners;                   ///< [corner_count] indices into uvs, or empty.
+    std::array<CageUvs, kMaxUvSets> uvs;                ///< Those that there are; the others are empty.
 };
 
 /// The bounds of what `make_subdivision` accepts.

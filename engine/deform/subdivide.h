@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace zoe {
 struct Subdivision {
     std::vector<glm::uvec3> corners;   ///< [triangle_count] vertices. Quads split from their first corner to their third.
     std::vector<uint32_t> cage_faces;  ///< [triangle_count] the face of the cage that each is of.
-    std::vector<glm::vec2> uvs;        ///< [vertex_count], or empty.
+    std::array<std::vector<glm::vec2>, kMaxUvSets> uvs;  ///< As the cage has them: [vertex_count], or empty.
     StencilTable stencils;
 };
 

@@ -54,7 +54,7 @@ Refined make_refined(const Mesh& mesh, int level) {
     refined.mesh.name = mesh.name;
     refined.mesh.corners = std::move(made.corners);
     refined.mesh.materials = refine_materials(mesh, made.cage_faces);
-    refined.mesh.uvs[0] = std::move(made.uvs);
+    refined.mesh.uvs = std::move(made.uvs);
     refined.mesh.positions.resize(made.stencils.vertex_count());
     if (options.normals) refined.mesh.normals.resize(made.stencils.vertex_count());
     evaluate(made.stencils, rest, refined.mesh.positions, refined.mesh.normals);

@@ -122,7 +122,7 @@ public:
 private:
     glm::vec4 at(const TextureRef& ref, Texels texels, bool is_sharp) const {
         if (ref.image == kNone<ImageId>) return glm::vec4(1.0f);
-        const std::vector<glm::vec2>& uvs = instance_.mesh->uvs[ref.uv_set & 1];
+        const std::vector<glm::vec2>& uvs = instance_.mesh->uvs[ref.uv_set % kMaxUvSets];
         if (uvs.size() != instance_.positions.size())
             return sample_texture(scene_.images, ref, glm::vec2(0.0f), 0.0f, texels);
         float uv_width = 0.0f;
@@ -142,7 +142,7 @@ private:
 glm::vec3 bend(const Instance& instance, const Corners& corners, const Lookup& lookup, const TextureRef& ref, float scale,
                const glm::vec3& normal, const glm::vec3& front) {
     if (!lookup.has(ref)) return normal;
-    const TangentFrame frame = tangent_frame(instance, corners.vertex, corners.weights, ref.uv_set & 1, normal);
+    const TangentFrame frame = tangent_frame(instance, corners.vertex, corners.weights, ref.uv_set % kMaxUvSets, normal);
     const glm::vec3 texel = 2.0f * glm::vec3(lookup.numbers(ref)) - 1.0f;
     const glm::vec3 bent = unit_or(scale * texel.x * frame.x + scale * texel.y * frame.y + texel.z * normal, normal);
     const float under = glm::dot(bent, front);

@@ -15,7 +15,7 @@ struct TangentFrame {
 /// node's matrix, carry them along. Where the mesh has none, the triangle's own texture coordinates give the frame.
 /// vertex     the triangle's.
 /// weights    barycentric.
-/// uv_set     of the normal texture, 0 or 1.
+/// uv_set     of the normal texture.
 /// normal     the world's shading normal on the mesh's front; both axes are across it.
 TangentFrame tangent_frame(const Instance& instance, const glm::uvec3& vertex, const glm::vec3& weights, size_t uv_set,
                            const glm::vec3& normal);

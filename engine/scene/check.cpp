@@ -38,7 +38,9 @@ std::string check_mesh(const Mesh& mesh, const Scene& scene) {
     if (count > 0xfffffff0u || mesh.corners.size() > 0x7ffffff0u) return "it has more than 2^32 vertices or 2^31 triangles";
     if (!fits(mesh.normals.size())) return "its normals are not as many as its vertices";
     if (!fits(mesh.tangents.size())) return "its tangents are not as many as its vertices";
-    if (!fits(mesh.uvs[0].size()) || !fits(mesh.uvs[1].size())) return "its uvs are not as many as its vertices";
+    for (const std::vector<glm::vec2>& uvs : mesh.uvs) {
+        if (!fits(uvs.size())) return "its uvs are not as many as its vertices";
+    }
     if (!fits(mesh.colors.size())) return "its colours are not as many as its vertices";
     for (const glm::uvec3& c : mesh.corners) {
         if (std::max({c.x, c.y, c.z}) >= count) return fmt::format("a triangle names a vertex that is not below {}", count);
@@ -154,7 +156,7 @@ std::string check_clip(const Clip& clip, const Scene& scene) {
 std::string check_material(const Material& material, const Scene& scene) {
     for (const TextureRef* ref : textures_of(material)) {
         if (!is_valid(ref->image, scene.images.size())) return fmt::format("there is no image {}", index(ref->image));
-        if (ref->uv_set > 1) return "a texture's uv_set is above 1";
+        if (ref->uv_set >= kMaxUvSets) return fmt::format("a texture's uv_set is not below {}", kMaxUvSets);
     }
     return {};
 }

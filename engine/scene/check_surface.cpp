@@ -8,7 +8,7 @@ namespace zoe {
 
 std::string check_surface(const Mesh& mesh) {
     const SubdivisionSurface& surface = *mesh.surface;
-    if (!mesh.normals.empty() || !mesh.uvs[0].empty() || !mesh.uvs[1].empty() || !mesh.colors.empty()) {
+    if (!mesh.normals.empty() || has_uvs(mesh) || !mesh.colors.empty()) {
         return "it is the cage of a subdivision surface, and has normals, uvs or colours of its own";
     }
     if (!(surface.pixels >= 0.0f) || !std::isfinite(surface.pixels)) return "its surface's pixels are not a number from 0";

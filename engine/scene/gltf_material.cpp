@@ -79,8 +79,9 @@ TextureRef texture_from(const GltfFile& file, int texture_index, int uv_set, con
         ref.image_from_uv = transform_from(*transform);
         if (transform->Has("texCoord")) uv_set = transform->Get("texCoord").GetNumberAsInt();
     }
-    if (uv_set > 1) {
-        scene.warn("a texture that uses texture coordinates beyond TEXCOORD_1: TEXCOORD_0 is taken");
+    if (uv_set >= static_cast<int>(kMaxUvSets)) {
+        scene.warn(
+            fmt::format("a texture that uses texture coordinates beyond TEXCOORD_{}: TEXCOORD_0 is taken", kMaxUvSets - 1));
         uv_set = 0;
     }
     ref.uv_set = static_cast<uint8_t>(uv_set);

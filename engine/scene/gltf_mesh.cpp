@@ -20,6 +20,23 @@ struct Part {
     size_t group = 0;
 };
 
+/// The sets of texture coordinates in which the textures of a primitive's material are looked up.
+UvSets find_uv_sets(const tinygltf::Primitive& primitive, const Scene& scene) {
+    UvSets sets;
+    if (primitive.material < 0) return sets;
+    for (const TextureRef* ref : textures_of(scene.materials[static_cast<size_t>(primitive.material)])) {
+        if (ref->image != kNone<ImageId>) sets.set(ref->uv_set);
+    }
+    return sets;
+}
+
+void warn_of_missing(const UvSets& uv_sets, const tinygltf::Primitive& primitive, Scene& scene) {
+    for (size_t set = 0; set < kMaxUvSets; ++set) {
+        if (!uv_sets[set] || primitive.attributes.contains(fmt::format("TEXCOORD_{}", set))) continue;
+        scene.warn(fmt::format("a primitive with a texture but without its TEXCOORD_{}: (0, 0) is taken", set));
+    }
+}
+
 void add_morph_weights(const tinygltf::Mesh& from, Mesh& mesh, Scene& scene) {
     mesh.default_weights.assign(from.weights.begin(), from.weights.end());
     if (!from.weights.empty() && from.weights.size() != mesh.targets.size()) {
@@ -40,6 +57,7 @@ Mesh read_mesh(GltfFile& file, size_t mesh_index, Scene& scene) {
     std::map<Key, size_t> group_of;
     std::vector<VertexGroup> groups;
     std::vector<Part> parts(from.primitives.size());
+    UvSets uv_sets{1};  // Whoever gives the mesh another texture expects the first.
     size_t target_count = 0;
     bool is_first = true;
     for (size_t i = 0; i < from.primitives.size(); ++i) {
@@ -60,6 +78,10 @@ Mesh read_mesh(GltfFile& file, size_t mesh_index, Scene& scene) {
         target_count = primitive.targets.size();
         is_first = false;
 
+        const UvSets own_sets = find_uv_sets(primitive, scene);
+        warn_of_missing(own_sets, primitive, scene);
+        uv_sets |= own_sets;
+
         const auto [found, is_new] = group_of.try_emplace({primitive.attributes, primitive.targets}, groups.size());
         parts[i].group = found->second;
         if (is_new) groups.push_back({&primitive, place, {vertex_count, 0}});
@@ -74,7 +96,7 @@ Mesh read_mesh(GltfFile& file, size_t mesh_index, Scene& scene) {
     mesh.targets.resize(target_count);
     for (VertexGroup& group : groups) {
         group.first = static_cast<uint32_t>(mesh.positions.size());
-        append_vertices(file, *group.primitive, group.used, group.place, mesh, scene);
+        append_vertices(file, *group.primitive, group.used, uv_sets, group.place, mesh, scene);
     }
     for (size_t i = 0; i < parts.size(); ++i) {
         const uint32_t begin = static_cast<uint32_t>(mesh.corners.size());

@@ -186,15 +186,15 @@ std::vector<glm::uvec3> read_corners(GltfFile& file, const tinygltf::Primitive& 
     return corners;
 }
 
-void append_vertices(GltfFile& file, const tinygltf::Primitive& primitive, GltfRange range, const std::string& place,
-                     Mesh& mesh, Scene& scene) {
+void append_vertices(GltfFile& file, const tinygltf::Primitive& primitive, GltfRange range, const UvSets& uv_sets,
+                     const std::string& place, Mesh& mesh, Scene& scene) {
     const std::string in_attributes = place + "/attributes";
     const int position = primitive.attributes.at("POSITION");
     const uint64_t vertex_count = file.model.accessors[static_cast<size_t>(position)].count;
     const size_t first = mesh.positions.size();
     const size_t count = range.end - range.begin;
     if (first + count > 0xfffffff0u) file.fail(place, "a mesh with more than 2^32 vertices");
-    const auto find = [&](const char* name) {
+    const auto find = [&](const std::string& name) {
         return find_attribute(file, primitive.attributes, name, vertex_count, in_attributes);
     };
 
@@ -220,10 +220,14 @@ void append_vertices(GltfFile& file, const tinygltf::Primitive& primitive, GltfR
     }
     append(mesh.tangents, std::move(tangents), first, count, glm::vec4(0.0f), "tangent", scene);
 
-    for (int set = 0; set < 2; ++set) {
-        const char* name = set == 0 ? "TEXCOORD_0" : "TEXCOORD_1";
+    for (size_t set = 0; set < kMaxUvSets; ++set) {
+        if (!uv_sets[set]) continue;
+        const std::string name = fmt::format("TEXCOORD_{}", set);
+        const int accessor = find(name);
+        if (accessor < 0 && mesh.uvs[set].empty()) continue;
+        file.spend(2 * (first - mesh.uvs[set].size() + (accessor < 0 ? count : 0)), in_attributes);  // What is filled.
         std::vector<glm::vec2> uvs;
-        if (const int accessor = find(name); accessor >= 0) {
+        if (accessor >= 0) {
             require_type(file, accessor, {TINYGLTF_TYPE_VEC2}, in_attributes + "/" + name);
             uvs = to_vectors<glm::vec2>(read_floats(file, accessor, range));
         }

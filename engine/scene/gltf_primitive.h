@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bitset>
 #include <map>
 #include <string>
 #include <vector>
@@ -8,6 +9,8 @@
 #include "engine/scene/gltf_file.h"
 
 namespace zoe {
+
+using UvSets = std::bitset<kMaxUvSets>;
 
 /// Reads a primitive's triangles: its indices, or 0, 1, 2, ... without; strips and fans unrolled.
 /// Returns    [triangle_count] indices into its vertices, each below their number; none (and a warning) for points and
@@ -18,7 +21,8 @@ std::vector<glm::uvec3> read_corners(GltfFile& file, const tinygltf::Primitive& 
 /// Appends a primitive's vertices to the mesh: every attribute, joints and weights, and the morph targets' offsets. Arrays
 /// that the mesh has and the primitive has not, or the other way round, are filled with what glTF takes for missing ones.
 /// range      which vertices.
-void append_vertices(GltfFile& file, const tinygltf::Primitive& primitive, GltfRange range, const std::string& place,
-                     Mesh& mesh, Scene& scene);
+/// uv_sets    which sets of texture coordinates are kept.
+void append_vertices(GltfFile& file, const tinygltf::Primitive& primitive, GltfRange range, const UvSets& uv_sets,
+                     const std::string& place, Mesh& mesh, Scene& scene);
 
 }  // namespace zoe

@@ -181,7 +181,6 @@ void read_surface(GltfFile& file, size_t mesh_index, Mesh& mesh, Scene& scene) {
     const tinygltf::Value& subdivision = from.extras.Get("subdivision");
     const std::string place = fmt::format("/meshes/{}/extras/subdivision", mesh_index);
     if (!mesh.colors.empty()) scene.warn("vertex colours of a subdivision cage: ignored");
-    if (!mesh.uvs[1].empty()) scene.warn("a second set of texture coordinates of a subdivision cage: ignored");
     SubdivisionSurface surface;
     read_options(file, subdivision, place, &surface);
 
@@ -213,7 +212,9 @@ void read_surface(GltfFile& file, size_t mesh_index, Mesh& mesh, Scene& scene) {
         scene.warn("extras.subdivision on a mesh without faces: ignored");
         return;
     }
-    if (!mesh.uvs[0].empty()) weld_uvs(welding, mesh.uvs[0], kept, &surface.cage);
+    for (size_t set = 0; set < kMaxUvSets; ++set) {
+        if (!mesh.uvs[set].empty()) surface.cage.uvs[set] = weld_uvs(welding, mesh.uvs[set], kept);
+    }
     read_creases(file, mesh_index, mesh, welding, subdivision, place, &surface.cage, scene);
     if (const std::string fault = check(surface.cage, welding.first.size(), surface.options.level); !fault.empty()) {
         file.fail(place, fault + " (vertices that are the same count as one)");

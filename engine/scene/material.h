@@ -28,7 +28,7 @@ enum class LevelFilter : uint8_t {
 /// Where a material's value is looked up.
 struct TextureRef {
     ImageId image = kNone<ImageId>;
-    uint8_t uv_set = 0;  ///< 0 or 1.
+    uint8_t uv_set = 0;  ///< Which of the mesh's texture coordinates: below kMaxUvSets.
     Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
     bool is_nearest = false;  ///< Where texels are as wide as what is looked at, or wider: the nearest; else bilinear.
     bool is_nearest_minified = false;  ///< The same where they are narrower, in each level that is looked up.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -42,9 +44,9 @@ struct Mesh {
     std::vector<glm::vec3> positions;  ///< [vertex_count]
     std::vector<glm::vec3> normals;    ///< [vertex_count] or empty; a zero normal asks for the geometric one.
     std::vector<glm::vec4> tangents;   ///< [vertex_count] or empty; see tangents.h. A zero one asks for its triangle's.
-    std::vector<glm::vec2> uvs[2];     ///< TEXCOORD_0, TEXCOORD_1: [vertex_count] or empty.
-    std::vector<glm::vec4> colors;     ///< COLOR_0, linear: [vertex_count] or empty.
-    std::vector<glm::uvec3> corners;   ///< [triangle_count] indices into positions.
+    std::array<std::vector<glm::vec2>, kMaxUvSets> uvs;  ///< TEXCOORD_0, ...: each [vertex_count] or empty.
+    std::vector<glm::vec4> colors;                       ///< COLOR_0, linear: [vertex_count] or empty.
+    std::vector<glm::uvec3> corners;                     ///< [triangle_count] indices into positions.
     std::vector<MaterialRange> materials;
     std::vector<MorphTarget> targets;
     std::vector<float> default_weights;  ///< [target_count]
@@ -54,6 +56,10 @@ struct Mesh {
     /// `split_faces(surface->cage)`.
     std::optional<SubdivisionSurface> surface;
 };
+
+inline bool has_uvs(const Mesh& mesh) {
+    return std::any_of(mesh.uvs.begin(), mesh.uvs.end(), [](const auto& set) { return !set.empty(); });
+}
 
 /// A mesh that shows a subdivision surface.
 /// positions  [vertex_count] of the cage.

@@ -227,11 +227,11 @@ Mesh make_cage(ObjFile file, int level) {
     for (const Corner& corner : file.corners) {
         surface.cage.vertices.push_back(corner[0]);
         if (has_uvs)
-            surface.cage.uv_corners.push_back(std::min<uint32_t>(corner[1], static_cast<uint32_t>(file.uvs.size())));
+            surface.cage.uvs[0].corners.push_back(std::min<uint32_t>(corner[1], static_cast<uint32_t>(file.uvs.size())));
     }
     if (has_uvs) {
-        surface.cage.uvs = std::move(file.uvs);
-        surface.cage.uvs.push_back(glm::vec2(0.0f));  // Of corners that have none.
+        surface.cage.uvs[0].values = std::move(file.uvs);
+        surface.cage.uvs[0].values.push_back(glm::vec2(0.0f));  // Of corners that have none.
     }
     return make_surface(std::move(file.positions), std::move(surface));
 }

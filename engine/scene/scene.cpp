@@ -108,7 +108,7 @@ void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::spa
     mesh.tangents.clear();  // Those of other triangles; without any, each triangle has its own.
     mesh.corners.assign(corners.begin(), corners.end());
     fit_materials(mesh.materials, static_cast<uint32_t>(corners.size()));
-    const bool has_attributes = !mesh.uvs[0].empty() || !mesh.uvs[1].empty() || !mesh.colors.empty();
+    const bool has_attributes = has_uvs(mesh) || !mesh.colors.empty();
     if (!fits && has_attributes) {
         warn(fmt::format("mesh {} '{}': written with another vertex count; its uvs and colours are dropped", index(id),
                          mesh.name));

@@ -131,7 +131,8 @@ void append_node(const Scene& scene, const Node& node, const std::vector<Affine>
     const size_t first = mesh.positions.size(), count = positions.size();
     append_or_fill(mesh.positions, positions, first, count, glm::vec3(0.0f));
     append_or_fill(mesh.normals, normals, first, count, glm::vec3(0.0f));
-    for (int set = 0; set < 2; ++set) append_or_fill(mesh.uvs[set], from.uvs[set], first, count, glm::vec2(0.0f));
+    for (size_t set = 0; set < kMaxUvSets; ++set)
+        append_or_fill(mesh.uvs[set], from.uvs[set], first, count, glm::vec2(0.0f));
     append_or_fill(mesh.colors, from.colors, first, count, glm::vec4(1.0f));
 
     // A mirror turns triangles round: turn them back, so that the same side stays in front. The node's matrix tells, even

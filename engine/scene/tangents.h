@@ -17,7 +17,7 @@ glm::vec4 triangle_tangent(const glm::vec3 (&positions)[3], const glm::vec2 (&uv
 /// Gives tangents to those vertices of a range of triangles that have none: means of their triangles' tangents, weighted
 /// by angles. Vertices that are equal in place, normal and texture coordinate count as one. A vertex between a texture
 /// and its mirror image, or without any tangent, keeps zero, which asks for the triangle's own.
-/// uv_set     the texture's coordinates, 0 or 1.
+/// uv_set     the texture's coordinates.
 /// Requires   a mesh that passes `check`.
 /// Source     Mikkelsen. Simulation of Wrinkled Surfaces Revisited. 2008, and its MikkTSpace. Deviation: no vertices are
 ///            split, as above; triangles without area in the texture take nothing from their neighbours.

@@ -75,7 +75,7 @@ void keep_welded(const Welding& welding, Mesh* mesh) {
     mesh->colors.clear();
 }
 
-void weld_uvs(const Welding& welding, const std::vector<glm::vec2>& uvs, const std::vector<uint32_t>& corners, Cage* cage) {
+CageUvs weld_uvs(const Welding& welding, const std::vector<glm::vec2>& uvs, const std::vector<uint32_t>& corners) {
     const auto order_of = [&](uint32_t a, uint32_t b) {
         if (welding.vertex_of[a] != welding.vertex_of[b]) return welding.vertex_of[a] < welding.vertex_of[b] ? -1 : 1;
         return compare(uvs, a, b);
@@ -86,12 +86,14 @@ void weld_uvs(const Welding& welding, const std::vector<glm::vec2>& uvs, const s
         const int by_value = order_of(corners[a], corners[b]);
         return by_value != 0 ? by_value < 0 : a < b;
     });
-    cage->uv_corners.resize(corners.size());
-    cage->uvs.clear();
+    CageUvs welded;
+    welded.corners.resize(corners.size());
     for (size_t k = 0; k < order.size(); ++k) {
-        if (k == 0 || order_of(corners[order[k - 1]], corners[order[k]]) != 0) cage->uvs.push_back(uvs[corners[order[k]]]);
-        cage->uv_corners[order[k]] = static_cast<uint32_t>(cage->uvs.size() - 1);
+        if (k == 0 || order_of(corners[order[k - 1]], corners[order[k]]) != 0)
+            welded.values.push_back(uvs[corners[order[k]]]);
+        welded.corners[order[k]] = static_cast<uint32_t>(welded.values.size() - 1);
     }
+    return welded;
 }
 
 }  // namespace zoe

@@ -22,6 +22,6 @@ void keep_welded(const Welding& welding, Mesh* mesh);
 /// What texture coordinates become when vertices do not hold them any more: those of the same welded vertex and the same
 /// value are one.
 /// corners    vertices of the mesh, one a corner.
-void weld_uvs(const Welding& welding, const std::vector<glm::vec2>& uvs, const std::vector<uint32_t>& corners, Cage* cage);
+CageUvs weld_uvs(const Welding& welding, const std::vector<glm::vec2>& uvs, const std::vector<uint32_t>& corners);
 
 }  // namespace zoe

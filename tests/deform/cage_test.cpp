@@ -98,14 +98,15 @@ TEST(Cage, SharpnessIsChecked) {
 
 TEST(Cage, TextureCoordinatesAreChecked) {
     Cage cage = cube().cage();
-    cage.uvs = {{0, 0}, {1, 0}};
+    CageUvs& uvs = cage.uvs[3];
+    uvs.values = {{0, 0}, {1, 0}};
     EXPECT_EQ(check(cage, 8, 2), "there are 0 texture coordinate indices for 24 corners");
-    cage.uv_corners.assign(24, 1);
+    uvs.corners.assign(24, 1);
     EXPECT_EQ(check(cage, 8, 2), "");
-    cage.uv_corners[5] = 2;
+    uvs.corners[5] = 2;
     EXPECT_EQ(check(cage, 8, 2), "texture coordinate index 2 of 2");
-    cage.uv_corners[5] = 0;
-    cage.uvs[0].x = kNan;
+    uvs.corners[5] = 0;
+    uvs.values[0].x = kNan;
     EXPECT_EQ(check(cage, 8, 2), "a texture coordinate is not finite");
 }
 

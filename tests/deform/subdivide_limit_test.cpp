@@ -160,8 +160,8 @@ TEST(SubdivideLimit, CopiesAtSeamsAndCreasesAreOnePoint) {
         }
         Cage cage = mesh.cage();
         for (size_t k = 0; k < cage.vertices.size(); ++k) {  // Every face has its own island.
-            cage.uv_corners.push_back(uint32_t(k));
-            cage.uvs.push_back({rng.uniform(), rng.uniform()});
+            cage.uvs[0].corners.push_back(uint32_t(k));
+            cage.uvs[0].values.push_back({rng.uniform(), rng.uniform()});
         }
         const Surface split = surface_of(cage, mesh.positions(), {.level = 2, .limit_positions = is_limit});
         const Surface whole = surface_of(mesh, {.level = 2, .limit_positions = is_limit, .normals = false});
@@ -171,8 +171,8 @@ TEST(SubdivideLimit, CopiesAtSeamsAndCreasesAreOnePoint) {
         const std::set<glm::vec3, decltype(bits_before)> points(split.positions.begin(), split.positions.end(), bits_before);
         EXPECT_EQ(points.size(), whole.positions.size());
         EXPECT_GT(split.positions.size(), whole.positions.size() + 100);
-        EXPECT_EQ(split.topology.uvs.size(), split.positions.size());
-        for (const glm::vec2& uv : split.topology.uvs)
+        EXPECT_EQ(split.topology.uvs[0].size(), split.positions.size());
+        for (const glm::vec2& uv : split.topology.uvs[0])
             EXPECT_TRUE(uv.x >= -0.01f && uv.x <= 1.01f && uv.y >= -0.01f && uv.y <= 1.01f);
     }
 }

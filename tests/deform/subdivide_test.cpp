@@ -156,6 +156,38 @@ TEST(Subdivide, AffineMapsCommute) {
     }
 }
 
+TEST(Subdivide, SetsOfTextureCoordinatesAreAsEachIsAlone) {
+    const uint64_t seed = 608;
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Rng rng(seed);
+    const PolygonMesh mesh = sheet(3);
+    Cage both = mesh.cage();
+    // One set in one piece; one with an island a face.
+    both.uvs[1].corners = both.vertices;
+    for (size_t v = 0; v < mesh.points.size(); ++v) both.uvs[1].values.push_back({rng.uniform(), rng.uniform()});
+    for (uint32_t k = 0; k < both.vertices.size(); ++k) {
+        both.uvs[6].corners.push_back(k);
+        both.uvs[6].values.push_back({rng.uniform(), rng.uniform()});
+    }
+    for (const bool is_limit : {false, true}) {
+        const SubdivisionOptions options{.level = 2, .limit_positions = is_limit};
+        const Subdivision together = make_subdivision(both, mesh.points.size(), options);
+        for (size_t set = 0; set < kMaxUvSets; ++set) {
+            Cage one = mesh.cage();
+            one.uvs[set] = both.uvs[set];
+            const Subdivision alone = make_subdivision(one, mesh.points.size(), options);
+            ASSERT_EQ(together.uvs[set].empty(), set != 1 && set != 6);
+            if (together.uvs[set].empty()) continue;
+            ASSERT_EQ(together.corners.size(), alone.corners.size());
+            for (size_t t = 0; t < alone.corners.size(); ++t) {
+                for (int k = 0; k < 3; ++k) {
+                    ASSERT_EQ(together.uvs[set][together.corners[t][k]], alone.uvs[set][alone.corners[t][k]]);
+                }
+            }
+        }
+    }
+}
+
 TEST(Subdivide, TextureCoordinateRules) {
     const uint64_t seed = 607;
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
@@ -167,14 +199,14 @@ TEST(Subdivide, TextureCoordinateRules) {
         Cage cage = mesh.cage();
         cage.uv_rule = rule;
         cage.boundary = rule == UvRule::kSmooth ? BoundaryRule::kEdge : BoundaryRule::kEdgeAndCorner;
-        cage.uv_corners = cage.vertices;
-        for (const glm::dvec3& p : mesh.points) cage.uvs.push_back({p.x, p.y});
+        cage.uvs[0].corners = cage.vertices;
+        for (const glm::dvec3& p : mesh.points) cage.uvs[0].values.push_back({p.x, p.y});
         for (const bool is_limit : {false, true}) {
             const Surface surface = surface_of(cage, mesh.positions(), {.level = 1, .limit_positions = is_limit});
-            ASSERT_EQ(surface.topology.uvs.size(), surface.positions.size());
+            ASSERT_EQ(surface.topology.uvs[0].size(), surface.positions.size());
             size_t equal_count = 0;
             for (size_t v = 0; v < surface.positions.size(); ++v)
-                equal_count += glm::length(glm::vec2(surface.positions[v]) - surface.topology.uvs[v]) < 1e-5f;
+                equal_count += glm::length(glm::vec2(surface.positions[v]) - surface.topology.uvs[0][v]) < 1e-5f;
             SCOPED_TRACE(::testing::Message() << "rule " << int(rule) << ", limit " << is_limit);
             if (rule == UvRule::kSmooth || rule == UvRule::kCorners) {
                 EXPECT_EQ(equal_count, 49u);
@@ -182,7 +214,7 @@ TEST(Subdivide, TextureCoordinateRules) {
             }
             EXPECT_LE(equal_count, 41u);
             size_t old_count = 0, middle_count = 0, rim_count = 0;
-            for (const glm::vec2& uv : surface.topology.uvs) {
+            for (const glm::vec2& uv : surface.topology.uvs[0]) {
                 const auto is_at = [&](const glm::dvec3& p) { return glm::length(glm::vec2(p) - uv) < 1e-5f; };
                 for (const glm::dvec3& p : mesh.points) old_count += is_at(p);
                 for (const auto& [edge, sides] : mesh.edge_faces()) {

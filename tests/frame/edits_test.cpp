@@ -35,8 +35,7 @@ Scene morphing_ball(int level) {
     Scene scene;
     Mesh mesh = make_sphere(1.0f, 12, 8);
     mesh.normals.clear();
-    mesh.uvs[0].clear();
-    mesh.uvs[1].clear();
+    mesh.uvs = {};
     if (level > 0) {
         Cage cage;
         for (const glm::uvec3& t : mesh.corners) {

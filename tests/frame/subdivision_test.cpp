@@ -258,8 +258,8 @@ TEST(Subdivision, FacesKeepTheirMaterialsAndUvsTheirSeams) {
     const PolygonMesh mesh = column();
     SubdivisionSurface surface{.cage = mesh.cage(), .options = {.level = kLevel}};
     for (uint32_t k = 0; k < surface.cage.vertices.size(); ++k) {  // Every face is an island.
-        surface.cage.uv_corners.push_back(k);
-        surface.cage.uvs.push_back({static_cast<float>(k), 0.0f});
+        surface.cage.uvs[0].corners.push_back(k);
+        surface.cage.uvs[0].values.push_back({static_cast<float>(k), 0.0f});
     }
     Mesh made = make_surface(mesh.positions(), std::move(surface));
     made.materials = {{0, 4, MaterialId{2}}, {4, 4, MaterialId{0}}, {4, 28, MaterialId{1}}};

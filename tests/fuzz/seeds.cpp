@@ -159,8 +159,11 @@ GlbBuilder primitives() {
     glb.json["accessors"][static_cast<size_t>(colors)]["byteOffset"] = 4;
     glb.json["accessors"][static_cast<size_t>(normals)]["byteOffset"] = 8;
     const json attributes = {
-        {"POSITION", positions}, {"TEXCOORD_0", uvs}, {"TEXCOORD_1", uvs}, {"COLOR_0", colors}, {"NORMAL", normals}};
-    const json list = {{"attributes", attributes}};
+        {"POSITION", positions}, {"TEXCOORD_0", uvs}, {"TEXCOORD_3", uvs}, {"COLOR_0", colors}, {"NORMAL", normals}};
+    glb.push("images", {{"uri", "missing.png"}});
+    glb.push("textures", {{"source", 0}});
+    glb.push("materials", {{"normalTexture", {{"index", 0}, {"texCoord", 3}}}});
+    const json list = {{"attributes", attributes}, {"material", 0}};
     json strip = list, fan = list, points = list;
     strip["mode"] = 5;
     strip["indices"] = glb.accessor(std::vector<uint8_t>{0, 1, 2, 3, 4}, kUbyte, "SCALAR", 5);

@@ -98,9 +98,13 @@ TEST(Surface, TextureCoordinatesTurnTheRightWayRound) {
     EXPECT_EQ(look_down(scene, 0.5f, -0.6f).base_color, glm::vec3(0, 1, 0));
     EXPECT_EQ(look_down(scene, -0.5f, 0.6f).base_color, glm::vec3(0, 0, 1));
     EXPECT_EQ(look_down(scene, 0.5f, 0.6f).base_color, glm::vec3(1, 1, 1));
-    // The second set of coordinates is missing: all of the surface has the texel at (0, 0).
-    scene.materials[0].base_color_texture.uv_set = 1;
+    // A set of coordinates that is missing: all of the surface has the texel at (0, 0).
+    scene.materials[0].base_color_texture.uv_set = 2;
     EXPECT_EQ(look_down(scene, 0.5f, 0.6f).base_color, glm::vec3(1, 0, 0));
+    // One of its own: turned by half.
+    for (const glm::vec2& uv : scene.meshes[0].uvs[0]) scene.meshes[0].uvs[2].push_back(1.0f - uv);
+    EXPECT_EQ(look_down(scene, -0.5f, -0.6f).base_color, glm::vec3(1, 1, 1));
+    EXPECT_EQ(look_down(scene, 0.5f, -0.6f).base_color, glm::vec3(0, 0, 1));
 }
 
 /// Adds an image of one colour.

@@ -54,6 +54,48 @@ TEST(Primitive, AttributesMustBeAsManyAsPositions) {
     EXPECT_NE(glb.error().find("/meshes/0/primitives/0/attributes/NORMAL"), std::string::npos);
 }
 
+/// A triangle with three sets of texture coordinates, TEXCOORD_0, _2 and _7, and textures that look in `used`.
+GlbBuilder textured_triangle(const std::vector<int>& used) {
+    GlbBuilder glb;
+    glb.triangle();
+    nlohmann::json& primitive = glb.json["meshes"][0]["primitives"][0];
+    for (const int set : {0, 2, 7}) {
+        const float u = static_cast<float>(set);
+        primitive["attributes"]["TEXCOORD_" + std::to_string(set)] = glb.floats({u, 0, u, 1, u, 2}, "VEC2");
+    }
+    glb.push("images", {{"uri", "missing.png"}});
+    glb.push("textures", {{"source", 0}});
+    const char* const names[] = {"emissiveTexture", "normalTexture", "occlusionTexture"};
+    nlohmann::json material;
+    for (size_t k = 0; k < used.size(); ++k) material[names[k]] = {{"index", 0}, {"texCoord", used[k]}};
+    primitive["material"] = glb.push("materials", material);
+    return glb;
+}
+
+TEST(Mesh, TextureCoordinatesAreKeptWhereTexturesLookThere) {
+    const Scene scene = textured_triangle({2, 7}).load();
+    const Mesh& mesh = scene.meshes[0];
+    for (size_t set = 0; set < kMaxUvSets; ++set) {
+        ASSERT_EQ(mesh.uvs[set].size(), set == 0 || set == 2 || set == 7 ? 3u : 0u) << set;
+        if (mesh.uvs[set].empty()) continue;
+        EXPECT_EQ(mesh.uvs[set][2], glm::vec2(set, 2));
+    }
+    EXPECT_EQ(scene.materials[0].emission_texture.uv_set, 2);
+    EXPECT_EQ(scene.materials[0].normal_texture.uv_set, 7);
+    EXPECT_TRUE(textured_triangle({0}).load().meshes[0].uvs[2].empty());
+    EXPECT_EQ(scene.warnings().size(), 1u) << "the missing image";
+}
+
+TEST(Mesh, TextureCoordinatesThatAreMissingAreToldOf) {
+    const Scene scene = textured_triangle({1, 2}).load();
+    EXPECT_TRUE(scene.meshes[0].uvs[1].empty());
+    EXPECT_EQ(scene.warnings().at("a primitive with a texture but without its TEXCOORD_1: (0, 0) is taken"), 1u);
+    EXPECT_EQ(scene.warnings().size(), 2u) << "and the missing image";
+    const Scene beyond = textured_triangle({8}).load();
+    EXPECT_EQ(beyond.materials[0].emission_texture.uv_set, 0);
+    EXPECT_EQ(beyond.warnings().at("a texture that uses texture coordinates beyond TEXCOORD_7: TEXCOORD_0 is taken"), 1u);
+}
+
 TEST(Mesh, PrimitivesFollowOneAnotherAndMissingAttributesAreFilled) {
     GlbBuilder glb;
     const int positions = glb.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");

@@ -53,8 +53,8 @@ TEST(Obj, BecomesACageWhereALevelIsAskedFor) {
     Scene scene = load(kCorners + "vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4\n", {.subdivision_level = 2});
     const Cage& cage = scene.meshes[0].surface->cage;
     EXPECT_EQ(cage.face_sizes, std::vector<uint32_t>{4});
-    EXPECT_EQ(cage.uv_corners, (std::vector<uint32_t>{0, 1, 2, 3}));
-    EXPECT_EQ(cage.uvs[3], glm::vec2(0)) << "of the corner that has none";
+    EXPECT_EQ(cage.uvs[0].corners, (std::vector<uint32_t>{0, 1, 2, 3}));
+    EXPECT_EQ(cage.uvs[0].values[3], glm::vec2(0)) << "of the corner that has none";
     EXPECT_EQ(advance(scene, 0.0).instances[0].mesh->corners.size(), 32u);
     EXPECT_NE(error_of(kCorners + "f 1 2 3\nf 1 2 4\n", {.subdivision_level = 2}).find("the same way"), std::string::npos);
     EXPECT_NE(error_of(kCorners + "f 1 2 3 4\n", {.subdivision_level = 99}).find("level 99"), std::string::npos);

@@ -21,6 +21,13 @@ struct CubeFile {
     json primitive;
     GlbBuilder glb;
 
+    /// Texture coordinates without a seam.
+    std::vector<float> positions_xy() const {
+        std::vector<float> xy;
+        for (size_t i = 0; i < positions.size(); i += 3) xy.insert(xy.end(), {positions[i] + 0.0f, positions[i + 1] + 0.0f});
+        return xy;
+    }
+
     explicit CubeFile(json subdivision, bool is_encoded = true) {
         constexpr int kSides[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
         for (int side = 0; side < 6; ++side) {
@@ -38,7 +45,8 @@ struct CubeFile {
         primitive = {{"attributes",
                       {{"POSITION", glb.floats(positions, "VEC3")},
                        {"NORMAL", glb.floats(normals, "VEC3")},
-                       {"TEXCOORD_0", glb.floats(uvs, "VEC2")}}},
+                       {"TEXCOORD_0", glb.floats(uvs, "VEC2")},
+                       {"TEXCOORD_3", glb.floats(positions_xy(), "VEC2")}}},
                      {"indices", glb.accessor(indices, kUshort, "SCALAR", indices.size())}};
         if (is_encoded) primitive["extensions"]["FB_ngon_encoding"] = json::object();
         glb.push("nodes", {{"mesh", glb.mesh(primitive)}});
@@ -65,11 +73,11 @@ TEST(SurfaceFile, SplitVerticesAreOneAndNgonsArePolygons) {
     EXPECT_EQ(cage.face_sizes, std::vector<uint32_t>(6, 4));
     EXPECT_EQ(cage.scheme, SubdivisionScheme::kCatmullClark);
     EXPECT_EQ(mesh.surface->options.level, 1);
-    ASSERT_EQ(cage.uv_corners.size(), 24u);
+    ASSERT_EQ(cage.uvs[0].corners.size(), 24u);
     for (size_t k = 0; k < 24; ++k) {
-        EXPECT_EQ(cage.uvs[cage.uv_corners[k]], glm::vec2(float(k % 4 == 1 || k % 4 == 2), float(k % 4 / 2)));
+        EXPECT_EQ(cage.uvs[0].values[cage.uvs[0].corners[k]], glm::vec2(float(k % 4 == 1 || k % 4 == 2), float(k % 4 / 2)));
     }
-    EXPECT_LT(cage.uvs.size(), 24u) << "sides that meet with the same texture coordinates are no seam";
+    EXPECT_LT(cage.uvs[0].values.size(), 24u) << "sides that meet with the same texture coordinates are no seam";
     const Tlas& tlas = advance(scene, 0.0);
     EXPECT_EQ(tlas.instances[0].mesh->corners.size(), 6u * 8);
     EXPECT_EQ(tlas.instances[0].normals.size(), tlas.instances[0].positions.size());
@@ -78,6 +86,24 @@ TEST(SurfaceFile, SplitVerticesAreOneAndNgonsArePolygons) {
     const Hit hit = closest_hit(tlas, {.origin = {1, 1, 5}, .direction = {0, 0, -1}});
     ASSERT_TRUE(hit);
     EXPECT_NEAR(5.0f - hit.t, (16 * 2.0f + 16 * 1.75f + 4 * 14.0f / 9) / 36, 1e-5f);
+}
+
+TEST(SurfaceFile, EverySetOfTextureCoordinatesIsRefined) {
+    CubeFile file(json{{"level", 1}});
+    file.glb.push("images", {{"uri", "missing.png"}});
+    file.glb.push("textures", {{"source", 0}});
+    file.glb.push("materials", {{"emissiveTexture", {{"index", 0}, {"texCoord", 3}}}});
+    file.glb.json["meshes"][0]["primitives"][0]["material"] = 0;
+    Scene scene = file.glb.load();
+    EXPECT_EQ(scene.warnings().size(), 1u) << "the missing image";
+    EXPECT_EQ(scene.meshes[0].surface->cage.uvs[3].values.size(), 8u) << "they are continuous";
+    const Tlas& tlas = advance(scene, 0.0);
+    const Instance& instance = tlas.instances[0];
+    ASSERT_EQ(instance.mesh->uvs[0].size(), instance.positions.size());
+    ASSERT_EQ(instance.mesh->uvs[3].size(), instance.positions.size());
+    for (size_t v = 0; v < instance.positions.size(); ++v) {
+        EXPECT_LT(glm::distance(instance.mesh->uvs[3][v], glm::vec2(instance.positions[v])), 1e-6f);
+    }
 }
 
 TEST(SurfaceFile, WithoutTheEncodingFacesAreTriangles) {
