@@ -26,6 +26,7 @@ glm::mat3 abs_of(const glm::mat3& m) {
 
 /// A hit triangle in both spaces, and what interpolation needs.
 struct Corners {
+    uint32_t triangle;
     glm::uvec3 vertex;
     glm::vec3 a, b, c;       // local
     glm::vec3 weights;       // barycentric
@@ -58,6 +59,7 @@ glm::vec3 bound_error(const Instance& instance, const Corners& corners, float as
 
 Corners corners_of(const Instance& instance, const Hit& hit) {
     Corners corners;
+    corners.triangle = hit.primitive;
     corners.vertex = instance.mesh->corners[hit.primitive];
     corners.a = instance.positions[corners.vertex.x];
     corners.b = instance.positions[corners.vertex.y];
@@ -142,7 +144,7 @@ private:
 glm::vec3 bend(const Instance& instance, const Corners& corners, const Lookup& lookup, const TextureRef& ref, float scale,
                const glm::vec3& normal, const glm::vec3& front) {
     if (!lookup.has(ref)) return normal;
-    const TangentFrame frame = tangent_frame(instance, corners.vertex, corners.weights, ref.uv_set % kMaxUvSets, normal);
+    const TangentFrame frame = tangent_frame(instance, corners.triangle, corners.weights, ref.uv_set % kMaxUvSets, normal);
     const glm::vec3 texel = 2.0f * glm::vec3(lookup.numbers(ref)) - 1.0f;
     const glm::vec3 bent = unit_or(scale * texel.x * frame.x + scale * texel.y * frame.y + texel.z * normal, normal);
     const float under = glm::dot(bent, front);

@@ -27,14 +27,16 @@ glm::vec3 across(const glm::vec3& v, const glm::vec3& normal) {
 
 }  // namespace
 
-TangentFrame tangent_frame(const Instance& instance, const glm::uvec3& vertex, const glm::vec3& weights, size_t uv_set,
+TangentFrame tangent_frame(const Instance& instance, uint32_t triangle, const glm::vec3& weights, size_t uv_set,
                            const glm::vec3& normal) {
     const Mesh& mesh = *instance.mesh;
+    const glm::uvec3& vertex = mesh.corners[triangle];
     const size_t vertex_count = instance.positions.size();
     glm::vec3 x(0.0f), y(0.0f);  // in the instance's space
-    if (mesh.tangents.size() == vertex_count && mesh.normals.size() == vertex_count &&
+    if ((mesh.tangents.size() == vertex_count || !mesh.tangent_corners.empty()) && mesh.normals.size() == vertex_count &&
         mesh.positions.size() == vertex_count) {
-        const glm::vec4 &t0 = mesh.tangents[vertex.x], &t1 = mesh.tangents[vertex.y], &t2 = mesh.tangents[vertex.z];
+        const glm::uvec3& at = tangents_of(mesh, triangle);
+        const glm::vec4 &t0 = mesh.tangents[at.x], &t1 = mesh.tangents[at.y], &t2 = mesh.tangents[at.z];
         if (t0 != glm::vec4(0.0f) && t1 != glm::vec4(0.0f) && t2 != glm::vec4(0.0f) && t0.w == t1.w && t1.w == t2.w) {
             const glm::vec3 tangent = weights.x * glm::vec3(t0) + weights.y * glm::vec3(t1) + weights.z * glm::vec3(t2);
             const glm::vec3 rest_normal =

@@ -37,7 +37,13 @@ std::string check_mesh(const Mesh& mesh, const Scene& scene) {
     const auto fits = [&](size_t size) { return size == 0 || size == count; };
     if (count > 0xfffffff0u || mesh.corners.size() > 0x7ffffff0u) return "it has more than 2^32 vertices or 2^31 triangles";
     if (!fits(mesh.normals.size())) return "its normals are not as many as its vertices";
-    if (!fits(mesh.tangents.size())) return "its tangents are not as many as its vertices";
+    if (mesh.tangent_corners.empty() && !fits(mesh.tangents.size())) return "its tangents are not as many as its vertices";
+    if (!mesh.tangent_corners.empty() && mesh.tangent_corners.size() != mesh.corners.size()) {
+        return "its tangent_corners are not as many as its triangles";
+    }
+    for (const glm::uvec3& c : mesh.tangent_corners) {
+        if (std::max({c.x, c.y, c.z}) >= mesh.tangents.size()) return "a triangle names a tangent that is not there";
+    }
     for (const std::vector<glm::vec2>& uvs : mesh.uvs) {
         if (!fits(uvs.size())) return "its uvs are not as many as its vertices";
     }

@@ -20,6 +20,7 @@ void add_tangents(Mesh& mesh, const Scene& scene) {
         if (range.material == kNone<MaterialId>) continue;
         const Material& material = scene.materials[index(range.material)];
         for (const TextureRef* ref : {&material.normal_texture, &material.coat_normal_texture}) {
+            // Those of the coat's texture only where the other has none.
             if (ref->image != kNone<ImageId>) derive_tangents(&mesh, range, ref->uv_set);
         }
     }

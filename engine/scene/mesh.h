@@ -44,6 +44,7 @@ struct Mesh {
     std::vector<glm::vec3> positions;  ///< [vertex_count]
     std::vector<glm::vec3> normals;    ///< [vertex_count] or empty; a zero normal asks for the geometric one.
     std::vector<glm::vec4> tangents;   ///< [vertex_count] or empty; see tangents.h. A zero one asks for its triangle's.
+    std::vector<glm::uvec3> tangent_corners;  ///< [triangle_count] indices into tangents, then of any number; or empty.
     std::array<std::vector<glm::vec2>, kMaxUvSets> uvs;  ///< TEXCOORD_0, ...: each [vertex_count] or empty.
     std::vector<glm::vec4> colors;                       ///< COLOR_0, linear: [vertex_count] or empty.
     std::vector<glm::uvec3> corners;                     ///< [triangle_count] indices into positions.
@@ -56,6 +57,11 @@ struct Mesh {
     /// `split_faces(surface->cage)`.
     std::optional<SubdivisionSurface> surface;
 };
+
+/// Where the tangents of a triangle's corners stand.
+inline const glm::uvec3& tangents_of(const Mesh& mesh, uint32_t triangle) {
+    return mesh.tangent_corners.empty() ? mesh.corners[triangle] : mesh.tangent_corners[triangle];
+}
 
 inline bool has_uvs(const Mesh& mesh) {
     return std::any_of(mesh.uvs.begin(), mesh.uvs.end(), [](const auto& set) { return !set.empty(); });

@@ -105,6 +105,7 @@ void Scene::write_mesh(MeshId id, std::span<const glm::vec3> positions, std::spa
     const bool fits = mesh.positions.size() == count;
     mesh.positions.assign(positions.begin(), positions.end());
     mesh.normals.assign(normals.begin(), normals.end());
+    mesh.tangent_corners.clear();
     mesh.tangents.clear();  // Those of other triangles; without any, each triangle has its own.
     mesh.corners.assign(corners.begin(), corners.end());
     fit_materials(mesh.materials, static_cast<uint32_t>(corners.size()));

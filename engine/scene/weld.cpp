@@ -71,6 +71,7 @@ void keep_welded(const Welding& welding, Mesh* mesh) {
     keep(welding.first, &mesh->binding.weights, mesh->binding.influence_count);
     mesh->normals.clear();
     mesh->tangents.clear();
+    mesh->tangent_corners.clear();
     for (std::vector<glm::vec2>& uvs : mesh->uvs) uvs.clear();
     mesh->colors.clear();
 }

@@ -15,8 +15,8 @@ struct Welding {
 
 Welding weld(const Mesh& mesh);
 
-/// Keeps one vertex of each that are the same, with its position, morph offsets, joints and weights; drops normals, texture
-/// coordinates and colours. Triangles stay as they are: they name the vertices that were.
+/// Keeps one vertex of each that are the same, with its position, morph offsets, joints and weights; drops normals,
+/// tangents, texture coordinates and colours. Triangles stay as they are: they name the vertices that were.
 void keep_welded(const Welding& welding, Mesh* mesh);
 
 /// What texture coordinates become when vertices do not hold them any more: those of the same welded vertex and the same

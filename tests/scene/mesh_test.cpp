@@ -61,7 +61,8 @@ GlbBuilder textured_triangle(const std::vector<int>& used) {
     nlohmann::json& primitive = glb.json["meshes"][0]["primitives"][0];
     for (const int set : {0, 2, 7}) {
         const float u = static_cast<float>(set);
-        primitive["attributes"]["TEXCOORD_" + std::to_string(set)] = glb.floats({u, 0, u, 1, u, 2}, "VEC2");
+        const std::string name = std::string("TEXCOORD_") + static_cast<char>('0' + set);
+        primitive["attributes"][name] = glb.floats({u, 0, u, 1, u, 2}, "VEC2");
     }
     glb.push("images", {{"uri", "missing.png"}});
     glb.push("textures", {{"source", 0}});

@@ -101,6 +101,15 @@ TEST(SceneGraph, CheckNamesWhatIsBroken) {
     EXPECT_NE(broken([](Scene& s) { s.nodes[0].sequence = MeshSequence{}; }), "");
     EXPECT_NE(broken([](Scene& s) { s.meshes[0].corners[0].x = 4; }), "");
     EXPECT_NE(broken([](Scene& s) { s.meshes[0].normals.pop_back(); }), "");
+    EXPECT_NE(broken([](Scene& s) { s.meshes[0].uvs[7].resize(1); }), "");
+    EXPECT_NE(broken([](Scene& s) { s.meshes[0].tangents.resize(1); }), "");
+    EXPECT_EQ(broken([](Scene& s) {
+                  s.meshes[0].tangents.resize(1);
+                  s.meshes[0].tangent_corners.resize(s.meshes[0].corners.size(), glm::uvec3(0));
+              }),
+              "");
+    EXPECT_NE(broken([](Scene& s) { s.meshes[0].tangent_corners.resize(s.meshes[0].corners.size(), glm::uvec3(0)); }), "");
+    EXPECT_NE(broken([](Scene& s) { s.meshes[0].tangent_corners.resize(s.meshes[0].corners.size() + 1); }), "");
     EXPECT_NE(broken([](Scene& s) { s.meshes[0].default_weights.clear(); }), "");
     EXPECT_NE(broken([](Scene& s) { s.meshes[0].binding.joints[0] = 2; }), "");
     EXPECT_NE(broken([](Scene& s) { s.meshes[0].materials[0].end = 1; }), "");
@@ -114,6 +123,8 @@ TEST(SceneGraph, CheckNamesWhatIsBroken) {
     EXPECT_NE(broken([](Scene& s) { s.nodes[2].matrix = Affine{}; }), "");
     EXPECT_NE(broken([](Scene& s) { s.playback.clips = {ClipId{3}}; }), "");
     EXPECT_NE(broken([](Scene& s) { s.materials[0].base_color_texture.image = ImageId{4}; }), "");
+    EXPECT_EQ(broken([](Scene& s) { s.materials[0].base_color_texture.uv_set = 7; }), "");
+    EXPECT_NE(broken([](Scene& s) { s.materials[0].base_color_texture.uv_set = 8; }), "");
 }
 
 }  // namespace
