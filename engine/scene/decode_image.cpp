@@ -21,6 +21,7 @@ namespace zoe {
 namespace {
 
 constexpr int kMaxSide = 16384;
+constexpr int kMaxOffset = 1 << 30;  // of the picture on its page: OpenImageIO adds rows to it
 constexpr int kRowsAtOnce = 64;
 
 /// OpenImageIO's name of the format, told by the first bytes. (Asked by a file name, it looks for the file.) Of those that
@@ -141,7 +142,8 @@ struct Picture {
 };
 
 /// Throws     std::runtime_error with the reason.
-void decode(std::span<const std::byte> encoded, std::string_view format, uint64_t max_pixels, Image* image) {
+void decode(std::span<const std::byte> encoded, std::string_view format, uint64_t max_pixels, const ChooseHalvings& choose,
+            Image* image) {
     const auto fail = [](const std::string& reason) {
         throw std::runtime_error(reason.empty() ? "it cannot be decoded" : reason);
     };
@@ -158,7 +160,12 @@ void decode(std::span<const std::byte> encoded, std::string_view format, uint64_
     if (spec.width <= 0 || spec.height <= 0 || spec.width > kMaxSide || spec.height > kMaxSide) {
         fail(fmt::format("{} x {} pixels; {} a side are allowed", spec.width, spec.height, kMaxSide));
     }
-    if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1) fail("not an image of 1 to 16 channels");
+    if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1) {
+        fail(fmt::format("{} channels, {} layers of depth; 1 to 16, and 1, are read", spec.nchannels, spec.depth));
+    }
+    for (const int offset : {spec.x, spec.y}) {
+        if (offset < -kMaxOffset || offset > kMaxOffset) fail(fmt::format("{} pixels from its page's corner", offset));
+    }
     const bool is_exr = format == "openexr";
     if (is_exr && (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
                    spec.height != spec.full_height)) {
@@ -173,9 +180,13 @@ void decode(std::span<const std::byte> encoded, std::string_view format, uint64_
     const auto side = [&](int size) { return static_cast<uint64_t>(((size - 1) >> halvings) + 1); };
     while (side(spec.width) * side(spec.height) * worth > max_pixels) {
         if (++halvings > kMaxHalvings) {
-            fail(fmt::format("{} x {} pixels, where {} are left for images", spec.width, spec.height, max_pixels));
+            fail(fmt::format("{} x {} pixels{}, where images may have {} together", spec.width, spec.height,
+                             image->is_half ? ", each counting twice" : "", max_pixels));
         }
     }
+    image->width = spec.width;
+    image->height = spec.height;
+    if (choose) halvings = std::max(halvings, std::min(choose(*image), kMaxHalvings));
     image->pixels.reserve(side(spec.width) * side(spec.height) * image->texel_bytes());
     // A truncated JPEG reads "well", with an error set.
     if (!picture.read_all(halvings, image) || in->has_error()) fail(in->geterror());
@@ -186,7 +197,8 @@ void decode(std::span<const std::byte> encoded, std::string_view format, uint64_
 
 }  // namespace
 
-bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels) {
+bool decode_image(std::span<const std::byte> encoded, Image* image, std::string* error, uint64_t max_pixels,
+                  const ChooseHalvings& choose) {
     const auto empty = [&] {
         image->width = image->height = image->halvings = 0;
         image->replaced = 0;
@@ -207,7 +219,7 @@ bool decode_image(std::span<const std::byte> encoded, Image* image, std::string*
             stripped = without_metadata(encoded);
             encoded = stripped;
         }
-        decode(encoded, format, max_pixels, image);
+        decode(encoded, format, max_pixels, choose, image);
         return true;
     } catch (const std::exception& exception) {
         empty();

@@ -1,8 +1,6 @@
 #include "engine/scene/exr_check.h"
 
 #include <cstdint>
-#include <cstring>
-#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>

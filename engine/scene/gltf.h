@@ -13,6 +13,7 @@ struct GltfOptions {
     bool load_images = true;                  ///< False: Scene::images keeps names only.
     /// Of all images together, 4 bytes each, and a third more for their coarser levels; a pixel of an EXR or HDR picture, of
     /// 8 bytes, counts twice. Where they have more, the largest are halved, again and again, with a warning.
+    /// That holds while they are read, too, beside what decoding one takes (decode_image.h), and its file.
     uint64_t max_pixels = uint64_t{1} << 28;
     /// Of all nodes' subdivision surfaces at their levels; a file with more is refused. About 2 GB.
     uint64_t max_triangles = uint64_t{1} << 22;

@@ -13,14 +13,15 @@ namespace {
 
 constexpr uint64_t kMaxImageBytes = uint64_t{1} << 30;
 
-std::vector<std::byte> encoded_bytes(const GltfFile& file, const GltfImage& image) {
+/// read       gets the bytes where they are not in the file's memory.
+std::span<const std::byte> encoded_bytes(const GltfFile& file, const GltfImage& image, std::vector<std::byte>* read) {
     if (image.view >= 0) {
         const GltfView& view = file.views[static_cast<size_t>(image.view)];
-        const std::span<const std::byte> bytes = file.buffer(view.buffer).subspan(view.offset, view.length);
-        return {bytes.begin(), bytes.end()};
+        return file.buffer(view.buffer).subspan(view.offset, view.length);
     }
     if (image.uri.empty()) throw std::runtime_error("it has neither a uri nor a bufferView");
-    return read_uri(image.uri, file.folder, kMaxImageBytes);
+    *read = read_uri(image.uri, file.folder, kMaxImageBytes);
+    return *read;
 }
 
 /// Equal for images whose encoded bytes are the same ones.
@@ -46,19 +47,21 @@ struct Decoded {
 /// By source_of, and by what the numbers mean.
 using DecodedImages = std::map<std::pair<std::string, Shown>, Decoded>;
 
-/// Fills an image's pixels, unless an image before it has them.
+/// Fills an image's pixels, unless an image before it has them; for that, those before it are halved where they must be.
 /// originals  of the images before it; its own is added.
 /// Returns    the reason why it has none; empty where all is well.
 /// Throws     std::runtime_error with the reason, too.
 std::string read_pixels(const GltfFile& file, const GltfImage& from, Shown as, uint64_t max_pixels, DecodedImages& decoded,
-                        std::vector<size_t>& originals, Image& image) {
+                        std::vector<size_t>& originals, std::vector<Image>* before, Image& image) {
     originals.push_back(originals.size());
     const auto [found, is_new] = decoded.try_emplace({source_of(file, from), as}, Decoded{originals.back(), {}});
     std::string& error = found->second.error;
     originals.back() = found->second.image;
     if (is_new) {
         try {
-            decode_image(encoded_bytes(file, from), &image, &error, max_pixels);
+            std::vector<std::byte> read;
+            decode_image(encoded_bytes(file, from, &read), &image, &error, max_pixels,
+                         [&](const Image& size) { return make_room(size, before, max_pixels); });
         } catch (const std::runtime_error& exception) {
             error = exception.what();
         }
@@ -101,7 +104,7 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
         if (options.load_images && as[i] != Shown::kNot) {
             std::string error;
             try {
-                error = read_pixels(file, from, as[i], options.max_pixels, decoded, originals, image);
+                error = read_pixels(file, from, as[i], options.max_pixels, decoded, originals, &images, image);
             } catch (const std::runtime_error& exception) {
                 error = exception.what();
             }
@@ -109,7 +112,7 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
         }
         images.push_back(std::move(image));
         originals.resize(images.size(), i);
-        fit_images(&images, options.max_pixels);  // At once: no more than the limit and one image is ever in memory.
+        fit_images(&images, options.max_pixels);  // What decoding could not halve often enough.
     }
     copy_and_fit(originals, &images, options.max_pixels);
     for (size_t i = 0; i < images.size(); ++i) {

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxSide = 16384;
+constexpr int kMaxPictureSide = 65536, kMaxPictureChannels = 1024;
 constexpr uint64_t kMaxPictureValues = uint64_t{1} << 28;  // numbers of a picture of floats: 1 GiB
 
 std::string one_line(const std::string& text) {
@@ -134,11 +134,17 @@ FloatImage read_picture(const fs::path& file) {
     const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string(), &config);
     if (!in) fail(OIIO::geterror());
     const OIIO::ImageSpec spec = in->spec();
-    const bool has_sides = spec.width > 0 && spec.height > 0 && spec.width <= 4 * kMaxSide && spec.height <= 4 * kMaxSide;
-    if (!has_sides || spec.nchannels < 1 || spec.nchannels > 1024 ||
-        static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height) >
-            kMaxPictureValues / static_cast<uint64_t>(spec.nchannels)) {
-        fail(fmt::format("{} x {} pixels of {} channels", spec.width, spec.height, spec.nchannels));
+    const std::string size = fmt::format("{} x {} pixels of {} channels", spec.width, spec.height, spec.nchannels);
+    const bool has_sides =
+        spec.width > 0 && spec.height > 0 && spec.width <= kMaxPictureSide && spec.height <= kMaxPictureSide;
+    if (!has_sides) fail(fmt::format("{}; {} pixels a side are allowed", size, kMaxPictureSide));
+    if (spec.nchannels < 1 || spec.nchannels > kMaxPictureChannels) {
+        fail(fmt::format("{}; 1 to {} channels are allowed", size, kMaxPictureChannels));
+    }
+    const uint64_t value_count =
+        static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height) * static_cast<uint64_t>(spec.nchannels);
+    if (value_count > kMaxPictureValues) {
+        fail(fmt::format("{}: {} numbers; {} are allowed", size, value_count, kMaxPictureValues));
     }
     FloatImage image;
     image.width = spec.width;

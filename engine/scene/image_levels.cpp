@@ -87,6 +87,15 @@ Image from_level(const Image& image, size_t level) {
     return copy;
 }
 
+/// Halves an image until it has the size that it is given, or drops its pixels where that is none.
+void fit_to(const Image& sizes, Image* image) {
+    while (image->halvings < sizes.halvings && !image->coarser.empty()) drop_finest(image);
+    image->halvings = sizes.halvings;
+    if (sizes.width > 0) return;
+    image->width = image->height = 0;
+    image->pixels = {};
+}
+
 template <typename Texel>
 ImageLevel halve(const ImageLevel& from, const Texel& texel) {
     using Channel = typename Texel::Channel;
@@ -176,32 +185,48 @@ void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
     }
 }
 
+int make_room(const Image& added, std::vector<Image>* images, uint64_t max_pixels) {
+    std::vector<Image> sizes;
+    for (const Image& image : *images) sizes.push_back(sizes_of(image));
+    sizes.push_back(sizes_of(added));
+    std::vector<ImageLevel>& coarser = sizes.back().coarser;
+    coarser.clear();
+    for (int width = added.width, height = added.height; width > 1 || height > 1;) {
+        width = (width + 1) / 2;
+        height = (height + 1) / 2;
+        coarser.push_back({width, height, {}});
+    }
+    fit_images(&sizes, max_pixels);
+    for (size_t i = 0; i < images->size(); ++i) fit_to(sizes[i], &(*images)[i]);
+    return sizes.back().halvings - added.halvings;
+}
+
 void copy_and_fit(const std::vector<size_t>& originals, std::vector<Image>* images, uint64_t max_pixels) {
     std::vector<Image> sizes;
     for (const size_t original : originals) sizes.push_back(sizes_of((*images)[original]));
     fit_images(&sizes, max_pixels);
-    const auto level_of = [&](size_t i) {
-        return static_cast<size_t>(sizes[i].halvings - (*images)[originals[i]].halvings);
-    };
-    // Copies first: an original that is halved has lost what they may need.
+    // Of an image and its copies, the one that is halved least takes what was decoded; it has all that the others need.
+    std::vector<size_t> holders(originals.size());
+    std::iota(holders.begin(), holders.end(), size_t{0});
     for (size_t i = 0; i < originals.size(); ++i) {
-        if (originals[i] == i) continue;
-        if (sizes[i].width == 0) {
-            (*images)[i].halvings = sizes[i].halvings;
-            continue;
-        }
-        std::string name = std::move((*images)[i].name);
-        (*images)[i] = from_level((*images)[originals[i]], level_of(i));
-        (*images)[i].name = std::move(name);
+        size_t& holder = holders[originals[i]];
+        if (sizes[i].halvings < sizes[holder].halvings) holder = i;
     }
     for (size_t i = 0; i < originals.size(); ++i) {
         if (originals[i] != i) continue;
-        Image& image = (*images)[i];
-        for (size_t level = level_of(i); level > 0; --level) drop_finest(&image);
-        if (sizes[i].width > 0) continue;
-        image.width = image.height = 0;
-        image.pixels = {};
+        Image &image = (*images)[i], &holder = (*images)[holders[i]];
+        std::swap(image, holder);
+        std::swap(image.name, holder.name);
+        for (int left = sizes[holders[i]].halvings - holder.halvings; left > 0; --left) drop_finest(&holder);
     }
+    for (size_t i = 0; i < originals.size(); ++i) {
+        const size_t from = holders[originals[i]];
+        if (from == i || sizes[i].width == 0) continue;
+        std::string name = std::move((*images)[i].name);
+        (*images)[i] = from_level((*images)[from], static_cast<size_t>(sizes[i].halvings - (*images)[from].halvings));
+        (*images)[i].name = std::move(name);
+    }
+    for (size_t i = 0; i < originals.size(); ++i) fit_to(sizes[i], &(*images)[i]);
 }
 
 uint64_t byte_count(std::span<const Image> images) {

@@ -27,8 +27,13 @@ void drop_finest(Image* image);
 /// on.
 void fit_images(std::vector<Image>* images, uint64_t max_pixels);
 
-/// Makes images that are copies of others, and halves all as `fit_images` does. Takes no more memory than what was there
-/// before and what is there then.
+/// Halves images as `fit_images` would if there were one more.
+/// added      that one, by its size.
+/// Returns    how often it would be halved.
+int make_room(const Image& added, std::vector<Image>* images, uint64_t max_pixels);
+
+/// Makes images that are copies of others, and halves all as `fit_images` does. Takes no more memory than what is there
+/// before or after it.
 /// originals  [images] position of the image that each is a copy of: its own, or a lower one's that is no copy.
 void copy_and_fit(const std::vector<size_t>& originals, std::vector<Image>* images, uint64_t max_pixels);
 

@@ -124,5 +124,52 @@ TEST(ImageLevels, ImagesAreHalvedUntilTheyFitAndNoFurther) {
     }
 }
 
+TEST(ImageLevels, RoomIsMadeAsIfTheImageWereThere) {
+    const uint64_t seed = 44;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    for (int round = 0; round < 30; ++round) {
+        std::vector<Image> images;
+        for (int i = 0; i < 4; ++i) {
+            images.push_back(
+                random_image(1 + static_cast<int>(rng.below(60)), 1 + static_cast<int>(rng.below(60)), true, rng));
+            make_levels(&images.back());
+        }
+        Image added;
+        added.width = images.back().width;
+        added.height = images.back().height;
+        std::vector<Image> expected = images;
+        images.pop_back();
+        const uint64_t limit = 8 + rng.below(6000);
+        fit_images(&expected, limit);
+        EXPECT_EQ(make_room(added, &images, limit), expected.back().halvings);
+        expected.pop_back();
+        EXPECT_EQ(images, expected);
+    }
+}
+
+TEST(ImageLevels, CopiesAreWhatFittingCopiesWouldLeave) {
+    const uint64_t seed = 45;
+    SCOPED_TRACE(seed);
+    Rng rng(seed);
+    for (int round = 0; round < 30; ++round) {
+        const std::vector<size_t> originals{0, 1, 0, 3, 1, 0};
+        std::vector<Image> images(originals.size());
+        for (size_t i : {0, 1, 3}) {
+            images[i] = random_image(1 + static_cast<int>(rng.below(20)), 1 + static_cast<int>(rng.below(20)), true, rng);
+            make_levels(&images[i]);
+        }
+        std::vector<Image> expected;
+        for (size_t i = 0; i < originals.size(); ++i) {
+            expected.push_back(images[originals[i]]);
+            expected.back().name = images[i].name = std::to_string(i);
+        }
+        const uint64_t limit = rng.below(1000);
+        copy_and_fit(originals, &images, limit);
+        fit_images(&expected, limit);
+        EXPECT_EQ(images, expected) << limit;
+    }
+}
+
 }  // namespace
 }  // namespace zoe::test

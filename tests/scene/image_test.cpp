@@ -55,7 +55,7 @@ TEST(Picture, ImagesAboveTheLimitAreNotDecoded) {
     Image image;
     std::string error;
     EXPECT_FALSE(decode_image(bytes, &image, &error, 0));
-    EXPECT_EQ(error, "7 x 5 pixels, where 0 are left for images");
+    EXPECT_EQ(error, "7 x 5 pixels, where images may have 0 together");
     EXPECT_EQ(image.pixels.capacity(), 0u);
     EXPECT_EQ(image.width, 0);
     EXPECT_TRUE(decode_image(bytes, &image, &error, 35));
@@ -187,6 +187,22 @@ TEST(Picture, ExrKeepsFloatsAndIdsByName) {
     EXPECT_EQ(channel("R"), red);
     EXPECT_EQ(channel("depth.Z"), depth);
     EXPECT_EQ(channel("node.id"), (std::vector<float>{1000000, 1000001, 1000002, 1000003, 1000004, 1000005}));
+}
+
+TEST(Picture, WhatIsTooLargeIsToldItsSizeAndTheLimit) {
+    const TempFolder folder;
+    const std::pair<const char*, const char*> cases[] = {
+        {"-Y 8192 +X 16384", "16384 x 8192 pixels of 3 channels: 402653184 numbers; 268435456 are allowed"},
+        {"-Y 1 +X 70000", "70000 x 1 pixels of 3 channels; 65536 pixels a side are allowed"}};
+    for (const auto& [size, expected] : cases) {
+        const fs::path file = folder.write("a.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n") + size + "\n");
+        try {
+            read_picture(file);
+            ADD_FAILURE() << expected;
+        } catch (const std::runtime_error& error) {
+            EXPECT_EQ(error.what(), file.string() + ": " + expected);
+        }
+    }
 }
 
 /// No file may grow beyond a size: writing more fails, as on a full disk.
