@@ -195,8 +195,8 @@ std::string caption(const Chart& chart) {
         guided.point->label, share_of(as_coarse->y.median),
         in_time ? fmt::format(", {} of that of as much time", share_of(*in_time)) : "",
         equal == all.rend() ? "No light that is stretched has so little here"
-                           : fmt::format("Stretched, it is as little in {} times the time",
-                                         short_number(equal->x.median / guided.point->x.median)));
+                            : fmt::format("Stretched, it is as little in {} times the time",
+                                          short_number(equal->x.median / guided.point->x.median)));
 }
 
 }  // namespace
