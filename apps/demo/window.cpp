@@ -113,7 +113,7 @@ public:
         if (ending_.valid()) ending_.wait();
         if (!is_running(opening_)) return;
         if (is_interrupted()) std::fputs(fmt::format("{}: interrupted\n", kProgram).c_str(), stderr);
-        std::fflush(nullptr);
+        std::fflush(stdout);  // Not what the thread that opens may be reading.
         std::_Exit(is_interrupted() ? kInterruptedCode : 0);
     }
 
@@ -132,8 +132,8 @@ private:
         state_.opening.clear();
         try {
             auto [opened, state] = opening_.get();
-            if (shown_) ending_ = std::async(std::launch::async, [last = std::move(shown_)]() mutable { last.reset(); });
-            shown_ = std::make_unique<Shown>(std::move(opened));
+            std::unique_ptr<Shown> last = std::exchange(shown_, std::make_unique<Shown>(std::move(opened)));
+            if (last) ending_ = std::async(std::launch::async, [last = std::move(last)]() mutable { last.reset(); });
             state.is_help_shown = state_.is_help_shown;
             state_ = std::move(state);
         } catch (const std::runtime_error& error) {

@@ -124,16 +124,20 @@ struct Picture {
     }
 
     /// Reads bands of rows, and halves each.
+    /// choose_halvings  asked once some rows were read.
     /// Returns    false where they cannot be read.
-    bool read_all(int halvings, Image* image) const {
+    template <typename ChooseHalvings>
+    bool read_all(const ChooseHalvings& choose_halvings, Image* image) const {
+        int halvings = 0;
         const int step = std::max(spec.tile_height, 1), band = (kRowsAtOnce + step - 1) / step * step;
         for (int y = 0; y < spec.height; y += band) {
             const int end = std::min(spec.height, y + band);
             ImageLevel level{spec.width, end - y, {}};
-            std::vector<uint8_t>* const pixels = halvings > 0 ? &level.pixels : &image->pixels;
+            std::vector<uint8_t>* const pixels = y == 0 || halvings > 0 ? &level.pixels : &image->pixels;
             const bool is_read = image->is_half ? read(y, end, OIIO::TypeDesc::HALF, kHalfOne, image, pixels)
                                                 : read(y, end, OIIO::TypeDesc::UINT8, uint8_t{255}, image, pixels);
             if (!is_read) return false;
+            if (y == 0) halvings = choose_halvings();
             for (int i = 0; i < halvings; ++i) level = halved(level, image->is_color, image->is_half);
             image->pixels.insert(image->pixels.end(), level.pixels.begin(), level.pixels.end());
         }
@@ -186,10 +190,14 @@ void decode(std::span<const std::byte> encoded, std::string_view format, uint64_
     }
     image->width = spec.width;
     image->height = spec.height;
-    if (choose) halvings = std::max(halvings, std::min(choose(*image), kMaxHalvings));
-    image->pixels.reserve(side(spec.width) * side(spec.height) * image->texel_bytes());
+    const auto choose_halvings = [&] {
+        if (in->has_error()) fail(in->geterror());
+        if (choose) halvings = std::max(halvings, std::min(choose(*image), kMaxHalvings));
+        image->pixels.reserve(side(spec.width) * side(spec.height) * image->texel_bytes());
+        return halvings;
+    };
     // A truncated JPEG reads "well", with an error set.
-    if (!picture.read_all(halvings, image) || in->has_error()) fail(in->geterror());
+    if (!picture.read_all(choose_halvings, image) || in->has_error()) fail(in->geterror());
     image->width = static_cast<int>(side(spec.width));
     image->height = static_cast<int>(side(spec.height));
     image->halvings = halvings;

@@ -47,12 +47,41 @@ struct Decoded {
 /// By source_of, and by what the numbers mean.
 using DecodedImages = std::map<std::pair<std::string, Shown>, Decoded>;
 
+/// The images so far, and what they may take.
+struct Room {
+    uint64_t max_pixels;
+    std::vector<Image> images;
+    uint64_t pixel_count = 0;  ///< Of them all, as pixel_worth counts.
+
+    /// Halves images where one more needs that.
+    /// Returns    how often that one is to be halved.
+    int make(const Image& added) {
+        if (pixel_count + pixel_worth(added) <= max_pixels) return 0;
+        const int halvings = make_room(added, &images, max_pixels);
+        count();
+        return halvings;
+    }
+    void add(Image image) {
+        pixel_count += pixel_worth(image);
+        images.push_back(std::move(image));
+        if (pixel_count <= max_pixels) return;
+        fit_images(&images, max_pixels);  // What decoding could not halve often enough.
+        count();
+    }
+
+private:
+    void count() {
+        pixel_count = 0;
+        for (const Image& image : images) pixel_count += pixel_worth(image);
+    }
+};
+
 /// Fills an image's pixels, unless an image before it has them; for that, those before it are halved where they must be.
 /// originals  of the images before it; its own is added.
 /// Returns    the reason why it has none; empty where all is well.
 /// Throws     std::runtime_error with the reason, too.
-std::string read_pixels(const GltfFile& file, const GltfImage& from, Shown as, uint64_t max_pixels, DecodedImages& decoded,
-                        std::vector<size_t>& originals, std::vector<Image>* before, Image& image) {
+std::string read_pixels(const GltfFile& file, const GltfImage& from, Shown as, DecodedImages& decoded,
+                        std::vector<size_t>& originals, Room* room, Image& image) {
     originals.push_back(originals.size());
     const auto [found, is_new] = decoded.try_emplace({source_of(file, from), as}, Decoded{originals.back(), {}});
     std::string& error = found->second.error;
@@ -60,8 +89,8 @@ std::string read_pixels(const GltfFile& file, const GltfImage& from, Shown as, u
     if (is_new) {
         try {
             std::vector<std::byte> read;
-            decode_image(encoded_bytes(file, from, &read), &image, &error, max_pixels,
-                         [&](const Image& size) { return make_room(size, before, max_pixels); });
+            decode_image(encoded_bytes(file, from, &read), &image, &error, room->max_pixels,
+                         [&](const Image& size) { return room->make(size); });
         } catch (const std::runtime_error& exception) {
             error = exception.what();
         }
@@ -93,7 +122,7 @@ std::string place_of(const GltfImage& from, size_t i) {
 std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options, Scene& scene) {
     const std::vector<Shown> as = how_shown(file.images.size(), scene);
     DecodedImages decoded;
-    std::vector<Image> images;
+    Room room{.max_pixels = options.max_pixels, .images = {}};
     std::vector<size_t> originals;
     for (size_t i = 0; i < file.images.size(); ++i) {
         const GltfImage& from = file.images[i];
@@ -104,16 +133,16 @@ std::vector<Image> read_images(const GltfFile& file, const GltfOptions& options,
         if (options.load_images && as[i] != Shown::kNot) {
             std::string error;
             try {
-                error = read_pixels(file, from, as[i], options.max_pixels, decoded, originals, &images, image);
+                error = read_pixels(file, from, as[i], decoded, originals, &room, image);
             } catch (const std::runtime_error& exception) {
                 error = exception.what();
             }
             if (!error.empty()) scene.warn(fmt::format("{}: {}: not shown", place_of(from, i), error));
         }
-        images.push_back(std::move(image));
-        originals.resize(images.size(), i);
-        fit_images(&images, options.max_pixels);  // What decoding could not halve often enough.
+        room.add(std::move(image));
+        originals.resize(room.images.size(), i);
     }
+    std::vector<Image> images = std::move(room.images);
     copy_and_fit(originals, &images, options.max_pixels);
     for (size_t i = 0; i < images.size(); ++i) {
         if (images[i].replaced > 0) {

@@ -35,11 +35,6 @@ Cover cover(int i, int from, int to) {
     return result;
 }
 
-/// In pixels of four bytes.
-uint64_t size_of(const Image& image) {
-    return static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height) * image.texel_bytes() / 4;
-}
-
 /// What levels do with a texel's channels: bytes, of which the first three may be sRGB, or halves.
 struct ByteTexel {
     using Channel = uint8_t;
@@ -158,12 +153,16 @@ void drop_finest(Image* image) {
     ++image->halvings;
 }
 
+uint64_t pixel_worth(const Image& image) {
+    return static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height) * image.texel_bytes() / 4;
+}
+
 void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
     uint64_t total = 0;
-    for (const Image& image : *images) total += size_of(image);
+    for (const Image& image : *images) total += pixel_worth(image);
     // Largest first; of equal ones the first in the list.
     const auto is_smaller = [&](size_t a, size_t b) {
-        const uint64_t count_a = size_of((*images)[a]), count_b = size_of((*images)[b]);
+        const uint64_t count_a = pixel_worth((*images)[a]), count_b = pixel_worth((*images)[b]);
         return count_a != count_b ? count_a < count_b : a > b;
     };
     std::vector<size_t> heap(total > max_pixels ? images->size() : 0);
@@ -172,14 +171,14 @@ void fit_images(std::vector<Image>* images, uint64_t max_pixels) {
     while (total > max_pixels && !(*images)[heap.front()].coarser.empty()) {
         std::pop_heap(heap.begin(), heap.end(), is_smaller);
         Image& image = (*images)[heap.back()];
-        total -= size_of(image);
+        total -= pixel_worth(image);
         drop_finest(&image);
-        total += size_of(image);
+        total += pixel_worth(image);
         std::push_heap(heap.begin(), heap.end(), is_smaller);
     }
     for (size_t i = images->size(); i-- > 0 && total > max_pixels;) {
         Image& image = (*images)[i];
-        total -= size_of(image);
+        total -= pixel_worth(image);
         image.width = image.height = 0;
         image.pixels = {};
     }

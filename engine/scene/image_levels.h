@@ -22,6 +22,9 @@ void make_levels(Image* image);
 /// Requires   that there are coarser ones.
 void drop_finest(Image* image);
 
+/// The pixels of an image's finest level, those of halves counting twice.
+uint64_t pixel_worth(const Image& image);
+
 /// Halves the largest images until all of them together have at most so many pixels in their finest levels, those of halves
 /// counting twice; of equally large ones the first. What is left when they are single texels is dropped from the last image
 /// on.

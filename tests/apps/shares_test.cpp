@@ -1,5 +1,6 @@
 // A film that several machines render is the film that one renders.
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -54,7 +55,9 @@ protected:
 
     void SetUp() override {
         write_small_scene(folder_);
-        path_ = "PATH=" + std::filesystem::path(ZOETROPE_DEMO).parent_path().native() + ":" + std::getenv("PATH");
+        const char* const path = std::getenv("PATH");
+        path_ =
+            "PATH=" + std::filesystem::path(ZOETROPE_DEMO).parent_path().native() + (path ? std::string(":") + path : "");
         ASSERT_EQ(run("zoetrope-demo " + to_small("fox.glb --frames 0-239", "whole")).exit_code, 0);
         for (int frame = 0; frame < kFrameCount; ++frame) ASSERT_FALSE(bytes("whole", frame).empty()) << frame;
     }

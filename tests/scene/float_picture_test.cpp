@@ -120,6 +120,15 @@ std::string forged(std::string bytes, const std::string& after, size_t skip, con
     return bytes;
 }
 
+/// An EXR with one more attribute, before all others.
+std::string with_attribute(const std::string& exr, const std::string& name, const std::string& type,
+                           const std::string& value) {
+    const auto size = static_cast<uint32_t>(value.size());
+    std::string attribute = name + '\0' + type + '\0';
+    for (int shift = 0; shift < 32; shift += 8) attribute += static_cast<char>(size >> shift & 255);
+    return exr.substr(0, 8) + attribute + value + exr.substr(8);
+}
+
 TEST(FloatPicture, HeadersThatAskForTooMuchOrForOthersAreRefused) {
     using namespace std::string_literals;
     const std::string exr = make_exr(4, 3, {"R", "G", "B"}, std::vector<float>(36, 0.5f));
@@ -148,11 +157,20 @@ TEST(FloatPicture, HeadersThatAskForTooMuchOrForOthersAreRefused) {
                   std::vector<float>(17)),
          "an EXR of more than 16 channels"},
         {exr.substr(0, 60), "an EXR whose header is damaged"},
+        // OpenEXR would read four bytes of it, and take the rest for attributes.
+        {with_attribute(exr, "other", "float", "\0\0\0\0owner\0string\0\xf0\xff\xff\x7f"s),
+         "an EXR whose header is damaged"},
+        {with_attribute(exr, "other", "m44d", "short"), "an EXR whose header is damaged"},
+        {with_attribute(exr, "other", "floatvector", "12345"), "an EXR whose header is damaged"},
+        {with_attribute(exr, "other", "chlist", "\0"s), "an EXR whose header is damaged"},
+        {with_attribute(exr, "other", "preview", "\x02\0\0\0\x02\0\0\0four"s), "an EXR whose header is damaged"},
+        {with_attribute(exr, "channels", "chlist", "\0"s), "an EXR that says something twice"},
         {make_hdr(1, 1, "abcd", "-Y {} -X {}"), "an HDR picture that is turned or mirrored"},
         {make_hdr(20000, 2'000'000'000, ""), "20000 x 2000000000 pixels; 16384 a side are allowed"},
     };
     Image image;
     EXPECT_EQ(decode(exr, &image), "");
+    EXPECT_NE(decode(with_attribute(exr, "other", "string", "anything"), &image), "an EXR whose header is damaged");
     for (const auto& [bytes, expected] : cases) {
         reset_peak_bytes();
         const size_t before = live_bytes();

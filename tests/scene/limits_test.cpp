@@ -244,6 +244,23 @@ TEST(GltfLimits, ImagesTakeNoMoreMemoryWhileTheyAreRead) {
     for (const bool is_one : {true, false}) EXPECT_LT(peak_of(24, is_one), of_one + kOneImage * 7 / 4) << is_one;
 }
 
+/// What a broken file's header says of its size halves no other image.
+TEST(GltfLimits, ImagesMakeNoRoomForWhatIsNotThere) {
+    const TempFolder folder;
+    write_png(folder / "a.png", 64, 64, std::vector<uint8_t>(64 * 64 * 4, 7));
+    folder.write("b.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 64\n");
+    GlbBuilder glb;
+    for (const char* const uri : {"a.png", "b.hdr"}) {
+        const int texture = glb.push("textures", {{"source", glb.push("images", {{"uri", uri}})}});
+        glb.push("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+    }
+    write_file(folder / "scene.gltf", glb.json.dump());
+    const Scene scene = load_gltf(folder / "scene.gltf", {.max_pixels = 2 * 64 * 64});
+    EXPECT_EQ(scene.images[0].width, 64);
+    EXPECT_EQ(scene.images[1].width, 0);
+    EXPECT_EQ(scene.warnings().size(), 1u);
+}
+
 TEST(GltfLimits, ImagesFarBeyondTheLimitAreNotDecoded) {
     const TempFolder folder;
     write_png(folder / "a.png", 64, 64, std::vector<uint8_t>(64 * 64 * 4, 7));
