@@ -18,7 +18,7 @@ std::string footer() {
            "Points are medians with quartiles. Interrupted, the same command goes on where it was: points that DIR holds\n"
            "of the same program, machine and settings are not measured again.\n\n"
            "Examples:\n"
-           "  zoetrope-chart --quick            every chart, in under five minutes on two cores, into out/charts\n"
+           "  zoetrope-chart --quick            every chart, in about five minutes on two cores, into out/charts\n"
            "  zoetrope-chart tlas far --out c   two of them, at full size, into c\n"
            "  zoetrope-chart --peer none        without Embree's points\n"
            "  gnuplot tlas.gp                   draws a chart again where it is run, as after a change by hand\n\n"
