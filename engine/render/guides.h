@@ -25,9 +25,8 @@ struct Guides {
     const PastFrame* past = nullptr;
 
     int width = 0, height = 0;
-    std::vector<glm::vec3> albedo;  ///< Linear base colour; 0 for the sky.
-    std::vector<glm::vec3>
-        normal;  ///< Shading normal, world space, towards the viewer; 0 for the sky and for what is unlit.
+    std::vector<glm::vec3> albedo;      ///< Linear base colour; 0 for the sky.
+    std::vector<glm::vec3> normal;      ///< Shading normal, world space, towards the viewer; 0: the sky, or unlit.
     std::vector<glm::vec3> unfiltered;  ///< Radiance without noise: emission, unlit colours, the sky.
     std::vector<float> depth;           ///< Metres along the camera's axis; +infinity for the sky.
     std::vector<uint32_t> node;         ///< 0xffffffff for the sky.

@@ -72,7 +72,7 @@ private:
     bool has_failed_ = false;
 };
 
-/// What the header says, once or several times: all of it is checked.
+/// What the header says, each thing once.
 class HeaderCheck {
 public:
     HeaderCheck(size_t file_size, int max_side) : file_size_(file_size), max_side_(max_side) {}
@@ -83,8 +83,7 @@ public:
         if (found != std::end(kTypeSizes) && value.left() != found->size) return kDamaged;
         if (type == "floatvector" && value.left() % sizeof(float) != 0) return kDamaged;
         if (type == "preview") return check_preview(value);
-        if (type == "chlist" && name != "channels") return kDamaged;
-        if (name == "channels" && type == "chlist") return check_channels(value);
+        if (type == "chlist") return name == "channels" ? check_channels(value) : kDamaged;
         if (name == "dataWindow" && type == "box2i") return check_window(value);
         if (name == "tiles" && type == "tiledesc") return check_tiles(value);
         return {};

@@ -12,7 +12,8 @@ std::vector<Skin> read_skins(GltfFile& file, Scene& scene);
 void normalize_weights(Mesh& mesh, Scene& scene);
 
 /// Checks that the joints which the meshes name exist in the skins of the nodes that show them; drops skins that move
-/// nothing. Throws     SceneError.
+/// nothing.
+/// Throws     SceneError.
 void check_skin_use(const GltfFile& file, Scene& scene);
 
 }  // namespace zoe
