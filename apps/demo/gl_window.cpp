@@ -83,7 +83,8 @@ GlWindow::GlWindow(std::optional<PictureSize> size) {
     glfwSetWindowUserPointer(window_, this);
     // Dear ImGui puts its own in front, and calls this one.
     glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
-        if (action != GLFW_RELEASE) static_cast<GlWindow*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+        if (action == GLFW_RELEASE) return;
+        static_cast<GlWindow*>(glfwGetWindowUserPointer(window))->keys_.push_back({key, action == GLFW_REPEAT});
     });
     glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
         if (count > 0) static_cast<GlWindow*>(glfwGetWindowUserPointer(window))->dropped_ = paths[0];
@@ -135,7 +136,7 @@ void GlWindow::set_title(const std::string& title) {
     glfwSetWindowTitle(window_, title.c_str());
 }
 
-std::vector<int> GlWindow::take_keys() {
+std::vector<KeyPress> GlWindow::take_keys() {
     return std::exchange(keys_, {});
 }
 

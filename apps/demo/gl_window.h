@@ -21,6 +21,12 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// A key that went down, by GLFW's number, or that the system repeats while it is held down.
+struct KeyPress {
+    int key = 0;
+    bool is_repeated = false;
+};
+
 /// A window with OpenGL, Dear ImGui on it, and one texture that holds a picture. One at a time, on the main thread.
 class GlWindow {
 public:
@@ -36,9 +42,8 @@ public:
     void hide();
     double seconds() const;  ///< Since the window was made.
     void set_title(const std::string& title);
-    /// Keys, by GLFW's numbers, that went down or were repeated since the last call. (Dear ImGui forgets those that went up
-    /// again before its next frame.)
-    std::vector<int> take_keys();
+    /// Those since the last call. (Dear ImGui forgets keys that went up again before its next frame.)
+    std::vector<KeyPress> take_keys();
     /// The path of a file that was dropped on the window since the last call; empty: none.
     std::string take_dropped();
 
@@ -59,7 +64,7 @@ private:
     GLFWwindow* window_ = nullptr;
     unsigned texture_ = 0;
     std::string dropped_;
-    std::vector<int> keys_;
+    std::vector<KeyPress> keys_;
 };
 
 }  // namespace zoe

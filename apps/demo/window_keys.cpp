@@ -21,8 +21,8 @@ void first_view(WindowState& state) {
 constexpr KeyUse kUses[] = {
     {GLFW_KEY_SPACE, GLFW_KEY_SPACE, "space", "play, pause",
      [](WindowState& state, int) { state.is_playing = !state.is_playing; }},
-    {GLFW_KEY_LEFT, GLFW_KEY_LEFT, "left", "one frame back", [](WindowState& state, int) { state.step(-1); }},
-    {GLFW_KEY_RIGHT, GLFW_KEY_RIGHT, "right", "one frame on", [](WindowState& state, int) { state.step(1); }},
+    {GLFW_KEY_LEFT, GLFW_KEY_LEFT, "left", "one frame back", [](WindowState& state, int) { state.step(-1); }, true},
+    {GLFW_KEY_RIGHT, GLFW_KEY_RIGHT, "right", "one frame on", [](WindowState& state, int) { state.step(1); }, true},
     {GLFW_KEY_HOME, GLFW_KEY_HOME, "home", "to the start", [](WindowState& state, int) { state.time_s = 0.0; }},
     {GLFW_KEY_1, GLFW_KEY_1 + kShadeCount - 1, "1 to 5", "shade: path, albedo, normal, motion, cost",
      [](WindowState& state, int offset) { state.shade = static_cast<Shade>(offset); }},
@@ -41,9 +41,10 @@ std::span<const KeyUse> key_uses() {
     return kUses;
 }
 
-void use_key(WindowState& state, int key) {
+void use_key(WindowState& state, const KeyPress& press) {
     for (const KeyUse& entry : kUses) {
-        if (key >= entry.first && key <= entry.last) entry.use(state, key - entry.first);
+        if (press.key < entry.first || press.key > entry.last || (press.is_repeated && !entry.is_repeated)) continue;
+        entry.use(state, press.key - entry.first);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "apps/demo/gl_window.h"
 #include "apps/demo/window_state.h"
 
 namespace zoe {
@@ -12,12 +13,13 @@ struct KeyUse {
     const char* name;
     const char* what;
     void (*use)(WindowState& state, int offset);  ///< offset: of the key, from the first.
+    bool is_repeated = false;                     ///< While it is held down.
 };
 
 /// Every key that does something, in the order of the help.
 std::span<const KeyUse> key_uses();
 
 /// Does what a key is for; nothing for others.
-void use_key(WindowState& state, int key);
+void use_key(WindowState& state, const KeyPress& press);
 
 }  // namespace zoe

@@ -159,9 +159,9 @@ void draw_help(WindowState& state) {
 
 }  // namespace
 
-void draw_panels(WindowState& state, std::span<const int> keys) {
+void draw_panels(WindowState& state, std::span<const KeyPress> keys) {
     if (!ImGui::GetIO().WantTextInput) {
-        for (const int key : keys) use_key(state, key);
+        for (const KeyPress& key : keys) use_key(state, key);
     }
     const float font = ImGui::GetFontSize();
     const float panel_width = 20.0f * font, timeline_height = ImGui::GetFrameHeightWithSpacing();

@@ -2,14 +2,15 @@
 
 #include <span>
 
+#include "apps/demo/gl_window.h"
 #include "apps/demo/window_state.h"
 
 namespace zoe {
 
 /// Puts the whole interface on the window: the picture, the panel beside it, the timeline under it, and the keys. Changes
 /// the state as the user does. Never waits.
-/// keys       that went down since the last call, by GLFW's numbers.
-void draw_panels(WindowState& state, std::span<const int> keys);
+/// keys       since the last call.
+void draw_panels(WindowState& state, std::span<const KeyPress> keys);
 
 /// What is known of the picked node, and a choice of its class.
 void draw_node(WindowState& state);

@@ -44,7 +44,7 @@ Interface::~Interface() {
     ImGui::DestroyContext();
 }
 
-void Interface::frame(const std::vector<int>& keys) {
+void Interface::frame(const std::vector<KeyPress>& keys) {
     state_.now_s += kFrameS;
     state_.play(kFrameS);
     if (renderer_->take(&state_.picture)) state_.note_picture();

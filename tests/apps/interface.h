@@ -8,6 +8,7 @@
 
 #include <glm/vec2.hpp>
 
+#include "apps/demo/gl_window.h"
 #include "apps/demo/window_state.h"
 
 struct ImDrawList;
@@ -35,8 +36,8 @@ public:
     const Scene& scene() const { return opened_->content.scene; }
 
     /// Draws a frame.
-    /// keys       that went down before it.
-    void frame(const std::vector<int>& keys = {});
+    /// keys       that went down before it, or were repeated.
+    void frame(const std::vector<KeyPress>& keys = {});
     /// Draws frames until it holds.
     /// Returns    false where it does not within a minute.
     bool wait(const std::function<bool()>& holds);

@@ -43,21 +43,21 @@ TEST(Panels, EveryKeyOfTheHelpWorksAndNoOther) {
             set_up(state);
             state.shade = static_cast<Shade>((key - use.first + 1) % kShadeCount);
             const auto before = choices(state);
-            interface.frame({key});
+            interface.frame({KeyPress{key}});
             EXPECT_NE(choices(state), before) << use.name;
         }
     }
     set_up(state);
     const auto before = choices(state);
     for (int key = -1; key < 512; ++key) {
-        if (!listed.contains(key)) interface.frame({key});
+        if (!listed.contains(key)) interface.frame({KeyPress{key}});
     }
     EXPECT_EQ(choices(state), before);
 
     EXPECT_FALSE(interface.find("play, pause"));
     constexpr int kF1 = 290;
     ASSERT_TRUE(listed.contains(kF1));
-    interface.frame({kF1});
+    interface.frame({KeyPress{kF1}});
     interface.frame();  // It finds its size first.
     for (const KeyUse& use : key_uses()) {
         const auto tells_it = [&](const SeenLine& line) {
@@ -65,7 +65,7 @@ TEST(Panels, EveryKeyOfTheHelpWorksAndNoOther) {
         };
         EXPECT_TRUE(std::ranges::any_of(interface.lines(), tells_it)) << use.name;
     }
-    interface.frame({kF1});
+    interface.frame({KeyPress{kF1}});
     interface.frame();
     EXPECT_FALSE(interface.find("play, pause"));
 }
@@ -77,7 +77,7 @@ TEST(Panels, KeysDoWhatTheirNamesSay) {
     WindowState& state = interface.state();
     const auto press = [&](const std::string& name, int offset = 0) {
         for (const KeyUse& use : key_uses()) {
-            if (use.name == name) interface.frame({use.first + offset});
+            if (use.name == name) interface.frame({KeyPress{use.first + offset}});
         }
     };
     ASSERT_EQ(state.camera, 0) << "the file's";
@@ -102,6 +102,22 @@ TEST(Panels, KeysDoWhatTheirNamesSay) {
     EXPECT_TRUE(state.is_playing);
     interface.frame();
     EXPECT_GT(state.time_s, 4.0 / 24.0);
+}
+
+/// Systems repeat what is held down, many times a second: that steps on, and switches nothing.
+TEST(Panels, HeldKeysOnlyStep) {
+    const TempFolder folder;
+    write_small_scene(folder);
+    Interface interface(folder / "scene.gltf");
+    WindowState& state = interface.state();
+    for (const KeyUse& use : key_uses()) {
+        const std::string name = use.name;
+        set_up(state);
+        state.shade = Shade::kNormal;
+        const auto before = choices(state);
+        interface.frame({KeyPress{use.first, true}});
+        EXPECT_EQ(choices(state) != before, name == "left" || name == "right") << name;
+    }
 }
 
 /// Where a node is seen with itself around; none: nowhere.

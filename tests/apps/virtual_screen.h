@@ -32,7 +32,8 @@ public:
     /// Whether Xvfb and xdotool are installed.
     static bool is_there();
 
-    VirtualScreen(int width, int height);
+    /// repeats_keys   that are held down, as other screens do: who waits between down and up types more than one.
+    VirtualScreen(int width, int height, bool repeats_keys = false);
     ~VirtualScreen();
     VirtualScreen(const VirtualScreen&) = delete;
     VirtualScreen& operator=(const VirtualScreen&) = delete;

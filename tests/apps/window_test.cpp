@@ -5,8 +5,11 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
 #include "engine/scene/image.h"
@@ -18,6 +21,18 @@ namespace {
 
 constexpr uint32_t kOutline = 0xffa000;
 
+std::string places_that_differ(const Screenful& a, const Screenful& b) {
+    glm::ivec2 low(a.width, a.height), high(-1);
+    for (int y = 0; y < a.height; ++y) {
+        for (int x = 0; x < a.width; ++x) {
+            if (a.at(x, y) == b.at(x, y)) continue;
+            low = glm::min(low, {x, y});
+            high = glm::max(high, {x, y});
+        }
+    }
+    return fmt::format("columns {} to {}, rows {} to {}", low.x, high.x, low.y, high.y);
+}
+
 /// The small scene in a window that fills a screen; its two triangles face the camera.
 class ShownWindow {
 public:
@@ -25,9 +40,14 @@ public:
     const TempFolder folder;
     const VirtualScreen screen;
 
-    /// dots       an inch of the screen has.
-    explicit ShownWindow(int w = 640, int h = 400, int dots = 96)
-        : width(w), height(h), screen(w, h), picture_width_(w - 284 * dots / 96), picture_height_(h - 39 * dots / 96) {
+    /// dots           an inch of the screen has.
+    /// repeats_keys   VirtualScreen::VirtualScreen.
+    explicit ShownWindow(int w = 640, int h = 400, int dots = 96, bool repeats_keys = false)
+        : width(w),
+          height(h),
+          screen(w, h, repeats_keys),
+          picture_width_(w - 284 * dots / 96),
+          picture_height_(h - 39 * dots / 96) {
         write_small_scene(folder);
         set_dots_per_inch(screen.display(), dots);
     }
@@ -53,16 +73,16 @@ public:
     /// Stops the animation at time 0, and waits until nothing moves any more.
     Screenful rest() {
         EXPECT_TRUE(wait([](const Screenful& shown) { return shown.color_count() >= 3; })) << "two classes and the sky";
-        screen.send({"mousemove", "20", "20", "key", "space", "Home"});
-        Screenful last = screen.read();
+        screen.send({"mousemove", "20", "20", "key", "Right", "Home"});
+        Screenful last = screen.read(), changed = last;
         int same_count = 0;
         const bool rests = wait_until([&] {
             const Screenful now = screen.read();
             same_count = now == last ? same_count + 1 : 0;
-            last = now;
+            if (now != last) changed = std::exchange(last, now);
             return same_count == 30;
         });
-        EXPECT_TRUE(rests);
+        EXPECT_TRUE(rests) << "changed last: " << places_that_differ(changed, last);
         return picture();
     }
 
@@ -172,6 +192,23 @@ TEST_F(Window, StepsByFramesAndTakesAnotherSize) {
     EXPECT_EQ(size_of_screenshot("zoetrope_0000.png"), std::pair(640, 400));
     window.screen.send({"search", "--name", "Zoetrope", "windowsize", "--sync", "560", "360"});
     EXPECT_EQ(size_of_screenshot("zoetrope_0001.png"), std::pair(560, 360));
+}
+
+TEST_F(Window, SavesOnePictureHoweverLongTheKeyIsHeld) {
+    ShownWindow window(640, 400, 96, true);
+    window.start();
+    window.rest();
+    window.screen.send({"keydown", "F12", "sleep", "1.5", "keyup", "F12", "keydown", "Right"});
+    std::set<std::vector<uint32_t>> pictures;
+    const auto are_many = [&](const Screenful& shown) {
+        pictures.insert(shown.pixels);
+        return pictures.size() > 8;  // more than one step's, which get finer
+    };
+    EXPECT_TRUE(window.wait(are_many)) << "this one is repeated";
+    window.screen.send({"keyup", "Right", "key", "Escape"});
+    EXPECT_EQ(window.program().wait().exit_code, 0);
+    EXPECT_TRUE(std::filesystem::exists(window.folder / "zoetrope_0000.png"));
+    EXPECT_FALSE(std::filesystem::exists(window.folder / "zoetrope_0001.png"));
 }
 
 TEST_F(Window, OpensWhatIsDroppedOnIt) {
