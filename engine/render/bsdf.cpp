@@ -174,6 +174,13 @@ Bsdf::Value Bsdf::evaluate(const glm::vec3& to_light) const {
     return result;
 }
 
+glm::vec3 Bsdf::evaluate_sharp(const glm::vec3& to_light) const {
+    if (is_black() || (surface_.is_body() && surface_.is_inside)) return glm::vec3(0.0f);
+    glm::vec3 value = evaluate_unfolded(to_light).value;
+    if (surface_.is_frosted()) value += frosted_unfolded(to_light).value;
+    return value * past_terminator(surface_, to_light);
+}
+
 std::optional<Bsdf::Sample> Bsdf::sample(const glm::vec2& u, float pick) const {
     if (is_black()) return std::nullopt;
     if (surface_.is_body() && surface_.is_inside) return cross_from_inside(u, pick);

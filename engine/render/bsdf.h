@@ -45,6 +45,9 @@ public:
     };
     /// For light from a unit direction. Zero under the surface, but for frosted sheets.
     Value evaluate(const glm::vec3& to_light) const;
+    /// The value for light from a point, or from a small disc, that a ray from `leave_smoothly` finds: nothing is folded,
+    /// which would show where facets turn away from the light.
+    glm::vec3 evaluate_sharp(const glm::vec3& to_light) const;
 
     struct Sample {
         glm::vec3 direction{0.0f};  ///< Unit.
@@ -104,17 +107,18 @@ inline glm::vec3 sample_cosine(const glm::vec3& normal, const glm::vec2& u) {
                           std::sqrt(1.0f - u.x) * normal);
 }
 
-/// What is left of light from a point, or from a small disc, where the shading normal still faces it and the geometric one
-/// nearly does not: the edge of a triangle's own shadow fades instead of showing the triangle. 1 where both normals agree.
-/// Source     Chiang, Li, Burley. Taming the Shadow Terminator. SIGGRAPH Talks 2019. Deviation: light from all around, which
-///            draws no such edge, stays whole.
+/// What is left of light from a point, or from a small disc, where a normal texture faces it and the surface nearly does
+/// not: its bumps fade towards the edge of the surface's own shadow. 1 where both normals agree.
+/// Source     Chiang, Li, Burley. Taming the Shadow Terminator. SIGGRAPH Talks 2019. Deviation: the interpolated normal
+///            stands for the surface, whose triangles show no edges of their own (`leave_smoothly`); light from all around,
+///            which draws no such edge, stays whole.
 inline float past_terminator(const Surface& surface, const glm::vec3& to_light) {
     // Light from behind, for a frosted sheet, is that of its other side, of which both normals face the other way.
-    const float side = glm::dot(surface.ng, to_light) < 0.0f ? -1.0f : 1.0f;
-    const float smooth = side * glm::dot(surface.ns, to_light) * glm::dot(surface.ng, surface.ns);
-    const float share = side * glm::dot(surface.ng, to_light);
-    if (surface.ns == surface.ng || !(smooth > share) || !(smooth > 0.0f)) return 1.0f;
-    const float g = share / smooth;
+    const float share = std::abs(glm::dot(surface.smooth, to_light));
+    const float side = glm::dot(surface.smooth, to_light) < 0.0f ? -1.0f : 1.0f;
+    const float bent = side * glm::dot(surface.ns, to_light) * glm::dot(surface.smooth, surface.ns);
+    if (surface.ns == surface.smooth || !(bent > share)) return 1.0f;
+    const float g = share / bent;
     return g * (1.0f + g - g * g);
 }
 

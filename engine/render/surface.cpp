@@ -169,13 +169,38 @@ glm::vec3 front_of(const Corners& corners, const glm::vec3& toward_viewer, float
     return has_area ? side * corners.normal : unit_or(toward_viewer, glm::vec3(0, 0, 1));
 }
 
+/// From a point of the triangle to the curved surface that its corners' normals stand for: the mean of its projections onto
+/// the planes that they stand on, without those that lie under it. 0 where that is not above the triangle.
+glm::vec3 lift_of(const Instance& instance, const Corners& corners, const Surface& surface) {
+    const glm::vec3 place[3] = {corners.a, corners.b, corners.c};
+    const glm::vec3 above = glm::transpose(instance.world_from_local.linear) * surface.smooth;
+    glm::vec3 normal[3];
+    for (int i = 0; i < 3; ++i) {
+        normal[i] = unit_or(instance.normals[corners.vertex[i]], glm::vec3(0.0f));
+        if (glm::dot(normal[i], above) < 0.0f) normal[i] = -normal[i];
+    }
+    glm::vec3 facet = unit_or(glm::cross(place[1] - place[0], place[2] - place[0]), glm::vec3(0.0f));
+    if (glm::dot(facet, above) < 0.0f) facet = -facet;
+    const float lean = glm::distance(facet, (normal[0] + normal[1] + normal[2]) / 3.0f);
+    float spread = 0.0f;
+    for (int i = 0; i < 3; ++i) spread = std::max(spread, glm::distance(normal[i], normal[(i + 1) % 3]));
+    if (!(lean <= spread)) return glm::vec3(0.0f);
+
+    const glm::vec3 local = corners.weights.x * corners.a + corners.weights.y * corners.b + corners.weights.z * corners.c;
+    glm::vec3 lift(0.0f);
+    for (int i = 0; i < 3; ++i)
+        lift += corners.weights[i] * std::max(0.0f, glm::dot(place[i] - local, normal[i])) * normal[i];
+    lift = instance.world_from_local.vector(lift);
+    return glm::dot(lift, surface.ng) > 0.0f ? lift : glm::vec3(0.0f);
+}
+
 /// On the front.
 void set_shading_normals(const Instance& instance, const Corners& corners, const Lookup& lookup, const Material& material,
                          const glm::vec3& front, Surface* surface) {
-    const glm::vec3 smooth = smooth_normal(instance, corners, front);
-    surface->ns = bend(instance, corners, lookup, material.normal_texture, material.normal_scale, smooth, front);
+    surface->smooth = smooth_normal(instance, corners, front);
+    surface->ns = bend(instance, corners, lookup, material.normal_texture, material.normal_scale, surface->smooth, front);
     surface->coat_ns = surface->coat > 0.0f ? bend(instance, corners, lookup, material.coat_normal_texture,
-                                                   material.coat_normal_scale, smooth, front)
+                                                   material.coat_normal_scale, surface->smooth, front)
                                             : surface->ns;
 }
 
@@ -261,6 +286,7 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     if (is_whole) set_shading_normals(instance, corners, lookup, material, front, &surface);
     if (glm::dot(front, ray.direction) > 0.0f) {
         surface.ng = -surface.ng;
+        surface.smooth = -surface.smooth;
         surface.ns = -surface.ns;
         surface.coat_ns = -surface.coat_ns;
     }
@@ -270,6 +296,22 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
 glm::vec3 leave(const Surface& surface, const glm::vec3& direction) {
     const glm::vec3 outward = glm::dot(surface.ng, direction) < 0.0f ? -surface.ng : surface.ng;
     return surface.position + glm::dot(glm::abs(outward), surface.error) * outward;
+}
+
+std::optional<glm::vec3> leave_smoothly(const Tlas& tlas, const Hit& hit, const Surface& surface,
+                                        const glm::vec3& to_light) {
+    if (glm::dot(surface.ng, to_light) > 0.0f) return leave(surface, to_light);
+    if (!(glm::dot(surface.smooth, to_light) > 0.0f)) {
+        if (!surface.is_frosted()) return std::nullopt;
+        return leave(surface, to_light);
+    }
+    const Instance& instance = tlas[hit.node];
+    const glm::vec3 lift = lift_of(instance, corners_of(instance, hit), surface);
+    if (lift == glm::vec3(0.0f)) return std::nullopt;
+    Surface lifted = surface;
+    lifted.position += lift;
+    lifted.error += 2.0f * kUnitRoundoff * (glm::abs(surface.position) + glm::abs(lift));
+    return leave(lifted, surface.ng);
 }
 
 }  // namespace zoe

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include <glm/vec3.hpp>
 
@@ -11,13 +12,14 @@ namespace zoe {
 /// What a ray finds where it hits: world space, unit normals that face the ray.
 struct Surface {
     glm::vec3 position{0.0f};
-    glm::vec3 error{0.0f};           ///< The true surface, and the one that rays see, are within +-error of `position`.
-    glm::vec3 ng{0.0f, 0.0f, 1.0f};  ///< Geometric normal.
-    glm::vec3 ns{0.0f, 0.0f, 1.0f};  ///< Shading normal, above the surface: interpolated, and bent by the normal texture.
-    glm::vec3 base_color{1.0f};      ///< Linear, in [0, 1]: factor times texture times vertex colour.
-    glm::vec3 emission{0.0f};        ///< Radiance.
-    float opacity = 1.0f;            ///< Share of what lies behind that the ray does not see; 0 or 1 for alpha masks.
-    float light_opacity = 1.0f;      ///< Share of the light from behind, which travels against the ray, that is stopped.
+    glm::vec3 error{0.0f};               ///< The true surface, and the one that rays see, are within +-error of `position`.
+    glm::vec3 ng{0.0f, 0.0f, 1.0f};      ///< Geometric normal.
+    glm::vec3 smooth{0.0f, 0.0f, 1.0f};  ///< Interpolated normal, above the surface.
+    glm::vec3 ns{0.0f, 0.0f, 1.0f};      ///< Shading normal, above the surface: `smooth`, bent by the normal texture.
+    glm::vec3 base_color{1.0f};          ///< Linear, in [0, 1]: factor times texture times vertex colour.
+    glm::vec3 emission{0.0f};            ///< Radiance.
+    float opacity = 1.0f;                ///< Share of what lies behind that the ray does not see; 0 or 1 for alpha masks.
+    float light_opacity = 1.0f;          ///< Share of the light from behind, which travels against the ray, that is stopped.
     MaterialId material = kNone<MaterialId>;
     bool is_unlit = false;   ///< Shows its base colour, whatever the light.
     bool is_inside = false;  ///< The ray met the back.
@@ -77,5 +79,14 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
 /// Source     Pharr, Jakob, Humphreys. Physically Based Rendering, 3rd ed., section 3.9. Deviation: bounds
 ///            also cover the way back into the instance's space and the triangle test.
 glm::vec3 leave(const Surface& surface, const glm::vec3& direction);
+
+/// An origin for a ray towards a light whose shadows have sharp edges; none where the surface itself is in the way. Where a
+/// triangle is turned away from the light, but its interpolated normal is not, the origin is on the curved surface that its
+/// corners' normals stand for: so the edge of the light runs over a coarse mesh as over a fine one.
+/// Source     Hanika. Hacking the Shadow Terminator. Ray Tracing Gems II, 2021. Deviation: rays of triangles that face the
+///            light start on them, so that what lies closely above still shades them; normals that all lean one way, as
+///            those of leaves do, stand for no curve.
+/// Requires   that the surface is that of the hit.
+std::optional<glm::vec3> leave_smoothly(const Tlas& tlas, const Hit& hit, const Surface& surface, const glm::vec3& to_light);
 
 }  // namespace zoe

@@ -87,7 +87,7 @@ private:
     /// What a punctual light would bring if nothing were in its way.
     struct Offer {
         const PunctualLight* light;
-        glm::vec3 toward;
+        glm::vec3 origin, toward;  // of a ray
         glm::vec3 radiance;
         float weight;  // its strongest colour; above 0
     };
@@ -106,16 +106,15 @@ private:
     glm::vec3 sky_seen(const Path& path, const glm::vec3& direction) const;
     bool pass_straight(const Surface& surface, const Ray& ray, uint32_t path, uint32_t bounce, uint32_t pass_through);
     bool is_last(uint32_t bounce) const { return bounce >= static_cast<uint32_t>(pass_->config.max_bounces); }
-    void add_sun(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    void add_sun(const Surface& surface, const Hit& hit, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
     void add_environment(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
-    void add_punctual_light(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
+    void add_punctual_light(const Surface& surface, const Hit& hit, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
     void add_glow(const Surface& surface, const Bsdf& bsdf, uint32_t path, uint32_t bounce);
     float weight_of_light(float density, float other) const;
     float weight_of_bounce(float density, float other) const;
     float density_seen(const Surface& lamp, const glm::vec3& from, const glm::vec3& toward) const;
     float glow_weight(const Surface& surface, const Ray& ray, const Path& path) const;
-    void add_shadow(const Surface& surface, const Ray& ray, uint32_t path, const glm::vec3& radiance,
-                    Toward toward = Toward::kLight);
+    void add_shadow(const Ray& ray, uint32_t path, const glm::vec3& radiance, Toward toward = Toward::kLight);
     void bounce_on(const Surface& surface, const Bsdf& bsdf, float distance, uint32_t path, uint32_t bounce);
     void trace_shadows(uint32_t bounce);
     void look_through_shadows(uint32_t bounce);

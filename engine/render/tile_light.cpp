@@ -1,4 +1,5 @@
 #include <cmath>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -16,6 +17,12 @@ glm::vec3 point_of(const Instance& instance, const Hit& hit) {
     const glm::vec3 local = (1.0f - hit.u - hit.v) * instance.positions[corner.x] + hit.u * instance.positions[corner.y] +
                             hit.v * instance.positions[corner.z];
     return instance.world_from_local.point(local);
+}
+
+/// From a ray's origin, a light may turn out to be on the surface's other side: the surface itself is in the way.
+/// toward     the light, from the surface.
+bool is_behind(const Surface& surface, const glm::vec3& toward, const Ray& ray) {
+    return (glm::dot(surface.ng, ray.direction) > 0.0f) != (glm::dot(surface.ng, toward) > 0.0f);
 }
 
 }  // namespace
@@ -36,14 +43,15 @@ float TileTracer::weight_of_bounce(float density, float other) const {
     return search == LightSearch::kBounces || !(other > 0.0f) ? 1.0f : 0.0f;
 }
 
-void TileTracer::add_sun(const Surface& surface, const Bsdf& bsdf, uint32_t path_index, uint32_t bounce) {
+void TileTracer::add_sun(const Surface& surface, const Hit& hit, const Bsdf& bsdf, uint32_t path_index, uint32_t bounce) {
     const Sun& sun = pass_->lighting.sun;
     if (sun.is_dark()) return;
     const glm::vec3 toward = sun.sample(uniform_2d(paths_[path_index].key, dimension(Use::kSun, bounce)));
-    const Bsdf::Value scattered = bsdf.evaluate(toward);
-    const float weight = is_last(bounce) ? 1.0f : weight_of_light(sun.density(), scattered.density);
-    add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index,
-               sun.irradiance() * scattered.value * (weight * past_terminator(surface, toward)));
+    const std::optional<glm::vec3> origin = leave_smoothly(pass_->tlas, hit, surface, toward);
+    if (!origin) return;
+    const float weight = is_last(bounce) ? 1.0f : weight_of_light(sun.density(), bsdf.evaluate(toward).density);
+    add_shadow({.origin = *origin, .direction = toward}, path_index,
+               sun.irradiance() * bsdf.evaluate_sharp(toward) * weight);
 }
 
 /// Looks for light of an environment where it is bright. Only where a bounce may find it, too.
@@ -55,23 +63,26 @@ void TileTracer::add_environment(const Surface& surface, const Bsdf& bsdf, uint3
     const Bsdf::Value scattered = bsdf.evaluate(toward);
     if (!(density > 0.0f) || !(largest(scattered.value) > 0.0f)) return;
     const float weight = weight_of_light(density, scattered.density) / density;
-    add_shadow(surface, {.origin = leave(surface, toward), .direction = toward}, path_index,
+    add_shadow({.origin = leave(surface, toward), .direction = toward}, path_index,
                pass_->lighting.sky(toward) * scattered.value * weight);
 }
 
 /// Picks one light with a probability proportional to what it would bring unshadowed: a single light brings its exact
 /// value, and many cost one ray.
-void TileTracer::add_punctual_light(const Surface& surface, const Bsdf& bsdf, uint32_t path_index, uint32_t bounce) {
+void TileTracer::add_punctual_light(const Surface& surface, const Hit& hit, const Bsdf& bsdf, uint32_t path_index,
+                                    uint32_t bounce) {
     offers_.clear();
     float total = 0.0f;
     for (const PunctualLight& light : pass_->lighting.lights) {
         const Illumination at = illuminate(light, surface.position);
-        glm::vec3 radiance(0.0f);
-        if (at.irradiance != glm::vec3(0.0f))
-            radiance = at.irradiance * bsdf.evaluate(at.toward).value * past_terminator(surface, at.toward);
+        if (at.irradiance == glm::vec3(0.0f)) continue;
+        const glm::vec3 radiance = at.irradiance * bsdf.evaluate_sharp(at.toward);
         const float weight = largest(radiance);
+        if (!(weight > 0.0f)) continue;
+        const std::optional<glm::vec3> origin = leave_smoothly(pass_->tlas, hit, surface, at.toward);
+        if (!origin) continue;
         total += weight;
-        if (weight > 0.0f) offers_.push_back({&light, at.toward, radiance, weight});
+        offers_.push_back({&light, *origin, at.toward, radiance, weight});
     }
     if (!(total > 0.0f) || !std::isfinite(total)) return;
 
@@ -82,12 +93,13 @@ void TileTracer::add_punctual_light(const Surface& surface, const Bsdf& bsdf, ui
         left -= offer.weight;
         if (left < 0.0f) break;
     }
-    Ray ray{.origin = leave(surface, chosen->toward), .direction = chosen->toward};
+    Ray ray{.origin = chosen->origin, .direction = chosen->toward};
     if (chosen->light->kind != LightKind::kDirectional) {
         ray.direction = chosen->light->position - ray.origin;
         ray.t_max = 1.0f - 0x1p-20f;  // What holds the light at its very place does not shade it.
+        if (is_behind(surface, chosen->toward, ray)) return;
     }
-    add_shadow(surface, ray, path_index, chosen->radiance * (total / chosen->weight));
+    add_shadow(ray, path_index, chosen->radiance * (total / chosen->weight));
 }
 
 /// Looks for light of an emissive surface. Only where a bounce may find it, too, so that both ways see as far.
@@ -109,8 +121,8 @@ void TileTracer::add_glow(const Surface& surface, const Bsdf& bsdf, uint32_t pat
     ray.direction = leave(lamp, -toward) - ray.origin;
     ray.t_max = 1.0f;
     const glm::vec3 radiance = lamp.emission * lamp.opacity * scattered.value;
-    add_shadow(surface, ray, path_index, radiance * (weight_of_light(density, scattered.density) / density),
-               Toward::kSurface);
+    if (is_behind(surface, toward, ray)) return;
+    add_shadow(ray, path_index, radiance * (weight_of_light(density, scattered.density) / density), Toward::kSurface);
 }
 
 /// The weight of light that a path meets on a surface, which `add_glow` may have found before.
@@ -126,11 +138,8 @@ float TileTracer::density_seen(const Surface& lamp, const glm::vec3& from, const
     return pass_->glow.density(lamp.material) * glm::dot(apart, apart) / std::abs(glm::dot(lamp.ng, toward));
 }
 
-void TileTracer::add_shadow(const Surface& surface, const Ray& ray, uint32_t path_index, const glm::vec3& radiance,
-                            Toward toward) {
-    // Beyond the offset the light may turn out to be on the other side: then the surface itself is in the way.
-    const bool is_above = glm::dot(surface.ng, ray.origin - surface.position) > 0.0f;
-    if (!(largest(radiance) > 0.0f) || (glm::dot(surface.ng, ray.direction) > 0.0f) != is_above) return;
+void TileTracer::add_shadow(const Ray& ray, uint32_t path_index, const glm::vec3& radiance, Toward toward) {
+    if (!(largest(radiance) > 0.0f)) return;
     shadows_.push(ray, path_index, paths_[path_index].throughput * radiance, toward);
 }
 

@@ -87,9 +87,9 @@ void TileTracer::shade_hit(const Surface& surface, const Ray& ray, const Hit& hi
     if (surface.is_unlit || !pass_->config.is_lit) return;
     const Bsdf bsdf(surface, -ray.direction);
     if (bsdf.is_black()) return;
-    add_sun(surface, bsdf, path_index, bounce);
+    add_sun(surface, hit, bsdf, path_index, bounce);
     add_environment(surface, bsdf, path_index, bounce);
-    add_punctual_light(surface, bsdf, path_index, bounce);
+    add_punctual_light(surface, hit, bsdf, path_index, bounce);
     add_glow(surface, bsdf, path_index, bounce);
     if (!is_last(bounce)) bounce_on(surface, bsdf, hit.t, path_index, bounce);
 }

@@ -2,20 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/math/rng.h"
 #include "engine/render/direction.h"
 #include "engine/render/sampler.h"
+#include "tests/math/random_inputs.h"
 
 namespace zoe::test {
 namespace {
 
 constexpr double kSphere = 4.0 * glm::pi<double>();
-
-glm::vec3 random_direction(Rng& rng) {
-    const float z = rng.uniform(-1.0f, 1.0f), angle = rng.uniform(0.0f, glm::two_pi<float>());
-    const float r = std::sqrt(std::max(0.0f, 1.0f - z * z));
-    return glm::normalize(glm::vec3(r * std::cos(angle), r * std::sin(angle), z));
-}
 
 glm::vec3 random_direction_above(Rng& rng, const glm::vec3& normal) {
     const glm::vec3 direction = random_direction(rng);
@@ -305,7 +299,7 @@ TEST(Bsdf, FrostedSheetsScatterWhatPassesAroundTheStraightWay) {
     }
 }
 
-TEST(Bsdf, LightFadesSteadilyTowardsATrianglesOwnHorizon) {
+TEST(Bsdf, BumpsFadeSteadilyTowardsTheirSurfacesHorizon) {
     const uint64_t seed = 8;
     SCOPED_TRACE(seed);
     Rng rng(seed);
@@ -313,22 +307,26 @@ TEST(Bsdf, LightFadesSteadilyTowardsATrianglesOwnHorizon) {
         Surface surface = white(0.0f, 1.0f);
         EXPECT_EQ(past_terminator(surface, random_direction(rng)), 1.0f);
         surface.ns = glm::normalize(glm::vec3(rng.uniform(-0.8f, 0.8f), rng.uniform(-0.8f, 0.8f), 1.0f));
-        // From the horizon to the geometric normal, on the side that the shading normal leans to.
+        // From the horizon to the interpolated normal, on the side that the shading normal leans to.
         const glm::vec3 side = glm::normalize(glm::vec3(surface.ns.x, surface.ns.y, 0.0f));
-        float last = 0.0f;
+        float last = 0.0f, last_shown = 0.0f;
         EXPECT_NEAR(past_terminator(surface, side), 0.0f, 1e-6f);
         for (int i = 1; i <= 100; ++i) {
             const float angle = static_cast<float>(i) * 0.01f * glm::half_pi<float>();
-            const float left = past_terminator(surface, std::cos(angle) * side + std::sin(angle) * surface.ng);
+            const glm::vec3 light = std::cos(angle) * side + std::sin(angle) * surface.smooth;
+            const float left = past_terminator(surface, light);
             EXPECT_GE(left, last - 1e-5f);
             EXPECT_LE(left, 1.0f);
-            EXPECT_LE(left - last, 0.2f) << "a step";
             last = left;
+            const float shown = left * glm::dot(surface.ns, light);
+            EXPECT_LE(shown - last_shown, 0.04f) << "a step, where the light moves by 0.016";
+            last_shown = shown;
         }
         EXPECT_NEAR(last, 1.0f, 1e-5f);
         // Light from behind fades as it does on the other side.
         Surface back = surface;
         back.ng = -back.ng;
+        back.smooth = -back.smooth;
         back.ns = -back.ns;
         const glm::vec3 light = random_direction(rng);
         EXPECT_EQ(past_terminator(surface, light), past_terminator(back, light));

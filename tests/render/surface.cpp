@@ -1,6 +1,8 @@
 #include "engine/render/surface.h"
 
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <glm/gtc/quaternion.hpp>
@@ -8,6 +10,7 @@
 #include "engine/render/tangent_frame.h"
 #include "engine/render/texture.h"
 #include "engine/scene/image_levels.h"
+#include "tests/math/random_inputs.h"
 #include "tests/render/scenes.h"
 
 namespace zoe::test {
@@ -43,6 +46,76 @@ TEST(Surface, ShadingNormalsFollowStretchAndMirror) {
         const Surface surface = look_down(scene, 0.25f, 0.25f);
         EXPECT_LT(glm::distance(surface.ns, glm::normalize(glm::vec3(0.5f * mirror, 1, 0))), 1e-5f);
     }
+}
+
+/// A ray that hits a mesh, and a light that is above the interpolated normal's horizon and below the triangle's.
+struct TurnedAway {
+    Ray ray;
+    Hit hit;
+    Surface surface;
+    glm::vec3 to_light;
+};
+
+/// eye        from where the mesh's middle and its surroundings are looked at.
+std::vector<TurnedAway> turned_away(const Scene& scene, const Tlas& tlas, const glm::vec3& eye, float size, Rng& rng) {
+    std::vector<TurnedAway> found;
+    for (int round = 0; round < 20000 && found.size() < 300; ++round) {
+        const glm::vec3 target = 0.6f * size * random_direction(rng);
+        const Ray ray{.origin = eye, .direction = target - eye};
+        const Hit hit = closest_hit(tlas, ray);
+        if (!hit) continue;
+        const Surface surface = surface_at(scene, tlas, ray, hit);
+        const glm::vec3 away = glm::normalize(surface.smooth - surface.ng);
+        const glm::vec3 side = glm::normalize(glm::cross(surface.ng, away));
+        const glm::vec3 to_light = glm::normalize(away - glm::dot(away, surface.ng) * surface.ng +
+                                                  rng.uniform(-0.5f, 0.5f) * side - rng.uniform(0.0f, 0.1f) * surface.ng);
+        if (glm::dot(surface.ng, to_light) < 0.0f && glm::dot(surface.smooth, to_light) > 0.01f)
+            found.push_back({ray, hit, surface, to_light});
+    }
+    return found;
+}
+
+TEST(Surface, RaysToLightsLeaveTheCurvedSurfaceOfTrianglesThatAreTurnedAway) {
+    const uint64_t seed = 21;
+    SCOPED_TRACE(seed);
+    for (const float size : {1e-3f, 1.0f, 1e6f}) {
+        for (const float mirror : {1.0f, -1.0f}) {
+            Rng rng(seed);
+            Scene scene;
+            const glm::quat turn = glm::normalize(glm::quat(0.3f, 0.5f, -0.2f, 0.7f));
+            add_node(scene, make_sphere(3, add_diffuse(scene, glm::vec3(1.0f)), true),
+                     {size * glm::vec3(0.1f, -0.2f, 0.3f), turn, size * glm::vec3(mirror, 1.0f, 1.0f)});
+            const glm::vec3 center = size * glm::vec3(0.1f, -0.2f, 0.3f);
+            const Tlas& tlas = advance(scene, 0.0);
+            const auto outside = turned_away(scene, tlas, center + 4.0f * size * glm::vec3(0.6f, 0.0f, 0.8f), size, rng);
+            ASSERT_GT(outside.size(), 100u);
+            for (const auto& [ray, hit, surface, to_light] : outside) {
+                const std::optional<glm::vec3> origin = leave_smoothly(tlas, hit, surface, to_light);
+                ASSERT_TRUE(origin);
+                const float under = 1.0f - glm::distance(surface.position, center) / size;
+                const float above = glm::distance(*origin, center) / size - 1.0f;
+                EXPECT_GT(above, -0.05f * under - 1e-5f);
+                EXPECT_LT(above, 1.2f * under + 1e-5f);
+                EXPECT_FALSE(any_hit(tlas, {.origin = *origin, .direction = to_light}));
+            }
+            // From within it is hollow: what is turned away lies in the shadow of what is not.
+            for (const auto& [ray, hit, surface, to_light] : turned_away(scene, tlas, center, size, rng))
+                EXPECT_FALSE(leave_smoothly(tlas, hit, surface, to_light));
+        }
+    }
+}
+
+TEST(Surface, NormalsThatLeanOneWayStandForNoCurve) {
+    Scene scene;
+    Mesh mesh = make_floor(1.0f, 0.0f, add_diffuse(scene, glm::vec3(1.0f)));
+    mesh.normals.assign(4, glm::normalize(glm::vec3(1, 1, 0)));
+    add_node(scene, std::move(mesh));
+    const Ray down{.origin = {0.25f, 5, 0.25f}, .direction = {0, -1, 0}};
+    const Tlas& tlas = advance(scene, 0.0);
+    const Hit hit = closest_hit(tlas, down);
+    const Surface surface = surface_at(scene, tlas, down, hit);
+    EXPECT_FALSE(leave_smoothly(tlas, hit, surface, glm::normalize(glm::vec3(1.0f, -0.1f, 0.0f))));
+    EXPECT_EQ(leave_smoothly(tlas, hit, surface, glm::vec3(0, 1, 0)), leave(surface, glm::vec3(0, 1, 0)));
 }
 
 TEST(Surface, ZeroNormalsAskForTheGeometricOne) {
