@@ -101,7 +101,8 @@ float Bsdf::under_layers(float reflected, float also_reflected) const {
     return std::max(0.0f, 1.0f - std::max(reflected, also_reflected));
 }
 
-Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
+/// left, coat_left  what is kept of the value: of all under the coat, of the coat.
+Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light, float left, float coat_left) const {
     Value result;
     const glm::vec3 light = frame_.to_local(to_light);
     if (light.z > 0.0f) {
@@ -130,6 +131,7 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
             result.value += surface_.sheen_color * (white * sheen_scale(surface_.sheen_roughness));
         }
     }
+    result.value *= left;
     if (surface_.coat > 0.0f) {
         const glm::vec3& viewer = coat_frame_.viewer;
         const glm::vec3 coat_light = coat_frame_.to_local(to_light);
@@ -138,7 +140,8 @@ Bsdf::Value Bsdf::evaluate_unfolded(const glm::vec3& to_light) const {
             const glm::vec3 half = glm::normalize(viewer + coat_light);
             const float density = ggx_density(half, coat_alpha_) / (4.0f * viewer.z);
             const float reflected = kCoatF0 + (1.0f - kCoatF0) * schlick_share(glm::dot(viewer, half));
-            result.value += surface_.coat * reflected * density * ggx_seen_by_both(viewer, coat_light, coat_alpha_);
+            result.value +=
+                coat_left * surface_.coat * reflected * density * ggx_seen_by_both(viewer, coat_light, coat_alpha_);
             result.density += share_[kCoat] * density * ggx_seen(viewer, coat_alpha_);
         }
     }
@@ -176,9 +179,11 @@ Bsdf::Value Bsdf::evaluate(const glm::vec3& to_light) const {
 
 glm::vec3 Bsdf::evaluate_sharp(const glm::vec3& to_light) const {
     if (is_black() || (surface_.is_body() && surface_.is_inside)) return glm::vec3(0.0f);
-    glm::vec3 value = evaluate_unfolded(to_light).value;
-    if (surface_.is_frosted()) value += frosted_unfolded(to_light).value;
-    return value * past_terminator(surface_, to_light);
+    const bool is_above = glm::dot(surface_.smooth, to_light) > 0.0f;
+    if (!is_above && !surface_.is_frosted()) return glm::vec3(0.0f);
+    const float left = past_terminator(surface_.smooth, surface_.ns, to_light);
+    if (!is_above) return left * frosted_unfolded(to_light).value;
+    return evaluate_unfolded(to_light, left, past_terminator(surface_.smooth, surface_.coat_ns, to_light)).value;
 }
 
 std::optional<Bsdf::Sample> Bsdf::sample(const glm::vec2& u, float pick) const {

@@ -19,7 +19,7 @@ namespace zoe {
 ///
 /// Light comes from the half space above the geometric normal; cosines are those of the shading normal. The part of the
 /// shading normal's hemisphere that lies under the surface is folded up, mirrored at the surface's plane, so that no light
-/// leaks through and none is lost: densities integrate to 1.
+/// leaks through and none is lost: densities integrate to 1. (Sharp light is not folded: `evaluate_sharp`.)
 ///
 ///        ng  ns
 ///         | /  .            directions around ns ...
@@ -45,8 +45,8 @@ public:
     };
     /// For light from a unit direction. Zero under the surface, but for frosted sheets.
     Value evaluate(const glm::vec3& to_light) const;
-    /// The value for light from a point, or from a small disc, that a ray from `leave_smoothly` finds: nothing is folded,
-    /// which would show where facets turn away from the light.
+    /// The value for light from a point, or from a small disc, that a ray from `leave_smoothly` finds: what is above is so
+    /// by the interpolated normal, and nothing is folded, which would show where facets turn away from the light.
     glm::vec3 evaluate_sharp(const glm::vec3& to_light) const;
 
     struct Sample {
@@ -72,7 +72,7 @@ private:
     };
     enum Lobe { kDiffuse, kFacets, kCoat, kThrough, kLobeCount };
 
-    Value evaluate_unfolded(const glm::vec3& to_light) const;
+    Value evaluate_unfolded(const glm::vec3& to_light, float left = 1.0f, float coat_left = 1.0f) const;
     Value frosted_unfolded(const glm::vec3& to_light) const;
     Sample refract(const glm::vec2& u) const;
     std::optional<Sample> cross_from_inside(const glm::vec2& u, float pick) const;
@@ -109,16 +109,18 @@ inline glm::vec3 sample_cosine(const glm::vec3& normal, const glm::vec2& u) {
 
 /// What is left of light from a point, or from a small disc, where a normal texture faces it and the surface nearly does
 /// not: its bumps fade towards the edge of the surface's own shadow. 1 where both normals agree.
+/// smooth, bent  the interpolated normal, and that of the bumps.
+/// to_light   on the same side of `smooth` as what is seen, or from behind a frosted sheet: that of its other side, of which
+///            both normals face the other way.
 /// Source     Chiang, Li, Burley. Taming the Shadow Terminator. SIGGRAPH Talks 2019. Deviation: the interpolated normal
 ///            stands for the surface, whose triangles show no edges of their own (`leave_smoothly`); light from all around,
 ///            which draws no such edge, stays whole.
-inline float past_terminator(const Surface& surface, const glm::vec3& to_light) {
-    // Light from behind, for a frosted sheet, is that of its other side, of which both normals face the other way.
-    const float share = std::abs(glm::dot(surface.smooth, to_light));
-    const float side = glm::dot(surface.smooth, to_light) < 0.0f ? -1.0f : 1.0f;
-    const float bent = side * glm::dot(surface.ns, to_light) * glm::dot(surface.smooth, surface.ns);
-    if (surface.ns == surface.smooth || !(bent > share)) return 1.0f;
-    const float g = share / bent;
+inline float past_terminator(const glm::vec3& smooth, const glm::vec3& bent, const glm::vec3& to_light) {
+    const float side = glm::dot(smooth, to_light) < 0.0f ? -1.0f : 1.0f;
+    const float share = side * glm::dot(smooth, to_light);
+    const float most = side * glm::dot(bent, to_light) * glm::dot(smooth, bent);
+    if (bent == smooth || !(most > share)) return 1.0f;
+    const float g = share / most;
     return g * (1.0f + g - g * g);
 }
 

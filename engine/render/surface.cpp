@@ -18,6 +18,7 @@ namespace zoe {
 namespace {
 
 constexpr float kUnitRoundoff = 0x1p-24f;  // relative error of one float operation
+constexpr float kLeastCurved = 0.75f;      // cosine between the normals of a triangle and its corners, on a curve
 constexpr float kLeastSlant = 0.05f;       // a cone that grazes a surface counts as no longer than this
 
 glm::mat3 abs_of(const glm::mat3& m) {
@@ -179,12 +180,15 @@ glm::vec3 lift_of(const Instance& instance, const Corners& corners, const Surfac
         normal[i] = unit_or(instance.normals[corners.vertex[i]], glm::vec3(0.0f));
         if (glm::dot(normal[i], above) < 0.0f) normal[i] = -normal[i];
     }
-    glm::vec3 facet = unit_or(glm::cross(place[1] - place[0], place[2] - place[0]), glm::vec3(0.0f));
-    if (glm::dot(facet, above) < 0.0f) facet = -facet;
+    const glm::vec3 facet = unit_or(glm::transpose(instance.world_from_local.linear) * surface.ng, glm::vec3(0.0f));
     const float lean = glm::distance(facet, (normal[0] + normal[1] + normal[2]) / 3.0f);
     float spread = 0.0f;
-    for (int i = 0; i < 3; ++i) spread = std::max(spread, glm::distance(normal[i], normal[(i + 1) % 3]));
-    if (!(lean <= spread)) return glm::vec3(0.0f);
+    float steepest = 1.0f;
+    for (int i = 0; i < 3; ++i) {
+        spread = std::max(spread, glm::distance(normal[i], normal[(i + 1) % 3]));
+        steepest = std::min(steepest, glm::dot(normal[i], facet));
+    }
+    if (!(lean <= spread) || !(steepest > kLeastCurved)) return glm::vec3(0.0f);
 
     const glm::vec3 local = corners.weights.x * corners.a + corners.weights.y * corners.b + corners.weights.z * corners.c;
     glm::vec3 lift(0.0f);
@@ -298,20 +302,23 @@ glm::vec3 leave(const Surface& surface, const glm::vec3& direction) {
     return surface.position + glm::dot(glm::abs(outward), surface.error) * outward;
 }
 
+bool is_turned_away(const Surface& surface, const glm::vec3& to_light) {
+    return glm::dot(surface.ng, to_light) <= 0.0f && glm::dot(surface.smooth, to_light) > 0.0f;
+}
+
 std::optional<glm::vec3> leave_smoothly(const Tlas& tlas, const Hit& hit, const Surface& surface,
                                         const glm::vec3& to_light) {
-    if (glm::dot(surface.ng, to_light) > 0.0f) return leave(surface, to_light);
-    if (!(glm::dot(surface.smooth, to_light) > 0.0f)) {
-        if (!surface.is_frosted()) return std::nullopt;
-        return leave(surface, to_light);
-    }
+    if (!(glm::dot(surface.smooth, to_light) > 0.0f) && !surface.is_frosted()) return std::nullopt;
+    if (!is_turned_away(surface, to_light)) return leave(surface, to_light);
     const Instance& instance = tlas[hit.node];
     const glm::vec3 lift = lift_of(instance, corners_of(instance, hit), surface);
     if (lift == glm::vec3(0.0f)) return std::nullopt;
     Surface lifted = surface;
     lifted.position += lift;
     lifted.error += 2.0f * kUnitRoundoff * (glm::abs(surface.position) + glm::abs(lift));
-    return leave(lifted, surface.ng);
+    const glm::vec3 from = leave(surface, surface.ng), to = leave(lifted, surface.ng);
+    if (any_hit(tlas, {.origin = from, .direction = to - from, .t_max = 1.0f})) return std::nullopt;
+    return to;
 }
 
 }  // namespace zoe

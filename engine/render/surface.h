@@ -80,13 +80,18 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
 ///            also cover the way back into the instance's space and the triangle test.
 glm::vec3 leave(const Surface& surface, const glm::vec3& direction);
 
+/// Tells whether a triangle faces away from a light that its interpolated normal faces.
+bool is_turned_away(const Surface& surface, const glm::vec3& to_light);
+
 /// An origin for a ray towards a light whose shadows have sharp edges; none where the surface itself is in the way. Where a
 /// triangle is turned away from the light, but its interpolated normal is not, the origin is on the curved surface that its
 /// corners' normals stand for: so the edge of the light runs over a coarse mesh as over a fine one.
 /// Source     Hanika. Hacking the Shadow Terminator. Ray Tracing Gems II, 2021. Deviation: rays of triangles that face the
-///            light start on them, so that what lies closely above still shades them; normals that all lean one way, as
-///            those of leaves do, stand for no curve.
+///            light start on them, so that what lies closely above still shades them; so does what stands between a
+///            triangle and its curve; normals that all lean one way, or more than 41 degrees away from the triangle's, stand
+///            for no curve: those of leaves and of boxes.
 /// Requires   that the surface is that of the hit.
+/// Cost       a short ray where the triangle is turned away.
 std::optional<glm::vec3> leave_smoothly(const Tlas& tlas, const Hit& hit, const Surface& surface, const glm::vec3& to_light);
 
 }  // namespace zoe

@@ -22,7 +22,8 @@ glm::vec3 point_of(const Instance& instance, const Hit& hit) {
 /// From a ray's origin, a light may turn out to be on the surface's other side: the surface itself is in the way.
 /// toward     the light, from the surface.
 bool is_behind(const Surface& surface, const glm::vec3& toward, const Ray& ray) {
-    return (glm::dot(surface.ng, ray.direction) > 0.0f) != (glm::dot(surface.ng, toward) > 0.0f);
+    const glm::vec3& normal = is_turned_away(surface, toward) ? surface.smooth : surface.ng;
+    return (glm::dot(normal, ray.direction) > 0.0f) != (glm::dot(normal, toward) > 0.0f);
 }
 
 }  // namespace

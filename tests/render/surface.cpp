@@ -99,23 +99,31 @@ TEST(Surface, RaysToLightsLeaveTheCurvedSurfaceOfTrianglesThatAreTurnedAway) {
                 EXPECT_FALSE(any_hit(tlas, {.origin = *origin, .direction = to_light}));
             }
             // From within it is hollow: what is turned away lies in the shadow of what is not.
-            for (const auto& [ray, hit, surface, to_light] : turned_away(scene, tlas, center, size, rng))
+            const auto inside = turned_away(scene, tlas, center, size, rng);
+            ASSERT_GT(inside.size(), 100u);
+            for (const auto& [ray, hit, surface, to_light] : inside)
                 EXPECT_FALSE(leave_smoothly(tlas, hit, surface, to_light));
         }
     }
 }
 
-TEST(Surface, NormalsThatLeanOneWayStandForNoCurve) {
-    Scene scene;
-    Mesh mesh = make_floor(1.0f, 0.0f, add_diffuse(scene, glm::vec3(1.0f)));
-    mesh.normals.assign(4, glm::normalize(glm::vec3(1, 1, 0)));
-    add_node(scene, std::move(mesh));
-    const Ray down{.origin = {0.25f, 5, 0.25f}, .direction = {0, -1, 0}};
-    const Tlas& tlas = advance(scene, 0.0);
-    const Hit hit = closest_hit(tlas, down);
-    const Surface surface = surface_at(scene, tlas, down, hit);
-    EXPECT_FALSE(leave_smoothly(tlas, hit, surface, glm::normalize(glm::vec3(1.0f, -0.1f, 0.0f))));
-    EXPECT_EQ(leave_smoothly(tlas, hit, surface, glm::vec3(0, 1, 0)), leave(surface, glm::vec3(0, 1, 0)));
+/// Alike, as those of a leaf, or apart, as those of a leaf that has them from its crown, or of a box.
+TEST(Surface, NormalsThatLeanOneWayOrFarStandForNoCurve) {
+    for (const bool is_apart : {false, true}) {
+        Scene scene;
+        Mesh mesh = make_floor(1.0f, 0.0f, add_diffuse(scene, glm::vec3(1.0f)));
+        mesh.normals.assign(4, glm::normalize(glm::vec3(1, 1.5f, 0)));
+        if (is_apart) mesh.normals = {{-1, 1, -1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+        add_node(scene, std::move(mesh));
+        const Ray down{.origin = {0.25f, 5, 0.25f}, .direction = {0, -1, 0}};
+        const Tlas& tlas = advance(scene, 0.0);
+        const Hit hit = closest_hit(tlas, down);
+        const Surface surface = surface_at(scene, tlas, down, hit);
+        const glm::vec3 grazing = glm::normalize(glm::vec3(1.0f, -0.1f, 0.0f));
+        ASSERT_TRUE(is_turned_away(surface, grazing));
+        EXPECT_FALSE(leave_smoothly(tlas, hit, surface, grazing));
+        EXPECT_EQ(leave_smoothly(tlas, hit, surface, glm::vec3(0, 1, 0)), leave(surface, glm::vec3(0, 1, 0)));
+    }
 }
 
 TEST(Surface, ZeroNormalsAskForTheGeometricOne) {

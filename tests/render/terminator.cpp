@@ -6,6 +6,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "engine/render/bsdf.h"
 #include "engine/render/light.h"
@@ -78,7 +80,7 @@ void expect_smooth(int levels, const RenderConfig& config, const glm::vec3& towa
         is_seen[i] = glm::dot(surface.ns, eye) > 0.4f;
         is_lit[i] = glm::dot(surface.ng, light.toward) > 0.0f;
         const Bsdf bsdf(surface, seen[i]->to_viewer);
-        if (is_lit[i]) hard[i] = light.irradiance * bsdf.evaluate(light.toward).value.r;
+        if (is_lit[i]) hard[i] = light.irradiance * bsdf.evaluate_sharp(light.toward).r;
     }
     double rendered_error = 0.0, hard_error = 0.0;
     int count = 0;
@@ -118,6 +120,39 @@ TEST(Terminator, IsSmoothUnderTheSun) {
     for (const int levels : {2, 3, 4})
         expect_smooth(
             levels, config, sun.toward(), [](Scene&) {}, incoming);
+}
+
+/// How many pixels of a film are not black.
+int count_lit(const Film& film) {
+    int count = 0;
+    for (const glm::vec4& pixel : film.sum) count += glm::vec3(pixel) == glm::vec3(0.0f) ? 0 : 1;
+    return count;
+}
+
+/// The ball that a coarse one stands for reaches through the wall, past which the light grazes.
+TEST(Terminator, IsNoWayIntoAClosedRoom) {
+    for (const float size : {1e-3f, 1.0f, 1e6f}) {
+        Scene scene;
+        const MaterialId white = add_diffuse(scene, glm::vec3(0.8f), true);
+        add_node(scene, make_box(white), {{}, {1, 0, 0, 0}, glm::vec3(size)});
+        const glm::quat edge_to_wall = glm::angleAxis(glm::pi<float>() / 8.0f, glm::vec3(0, 0, 1));
+        add_node(scene, make_sphere(1, white, true),
+                 {size * glm::vec3(0.545f, 0.0f, 0.0f), edge_to_wall, glm::vec3(0.49f * size)});
+        add_light(scene, {.kind = LightKind::kPoint, .intensity = 1e3f * size * size}, {size * glm::vec3(1.1f, 5.0f, 0.3f)});
+        const View view = look_at(size * glm::vec3(0.99f, 0.0f, 0.9f), size * glm::vec3(0.97f, 0.0f, 0.0f), 60.0f, 1.0f);
+        EXPECT_EQ(count_lit(picture(scene, view, dark(), kSize, kSize, 8)), 0) << size;
+    }
+}
+
+/// Light that is near below a corner is above the horizon of places beside it.
+TEST(Terminator, LetsNoLightOutOfASingleSidedBall) {
+    for (const float radius : {0.9f, 0.97f, 0.99f}) {
+        Ball ball(1, glm::normalize(glm::vec3(1.0f, 0.3f, 0.2f)));
+        add_light(ball.scene, {.kind = LightKind::kPoint, .intensity = 50.0f}, {radius * glm::vec3(1, 0, 0)});
+        RenderConfig config = dark();
+        config.max_bounces = 0;
+        EXPECT_EQ(count_lit(picture(ball.scene, ball.view, config, kSize, kSize, 4)), 0) << radius;
+    }
 }
 
 }  // namespace
