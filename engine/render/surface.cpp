@@ -34,6 +34,8 @@ struct Corners {
     glm::vec3 error{0.0f};   // world, see Surface
     glm::vec3 normal{0.0f};  // world, unit, by winding; zero where the area vanishes in rounding
     float area = 0.0f;       // world, twice the triangle's
+
+    glm::vec3 point() const { return weights.x * a + weights.y * b + weights.z * c; }  // local
 };
 
 template <typename T>
@@ -190,7 +192,7 @@ glm::vec3 lift_of(const Instance& instance, const Corners& corners, const Surfac
     }
     if (!(lean <= spread) || !(steepest > kLeastCurved)) return glm::vec3(0.0f);
 
-    const glm::vec3 local = corners.weights.x * corners.a + corners.weights.y * corners.b + corners.weights.z * corners.c;
+    const glm::vec3 local = corners.point();
     glm::vec3 lift(0.0f);
     for (int i = 0; i < 3; ++i)
         lift += corners.weights[i] * std::max(0.0f, glm::dot(place[i] - local, normal[i])) * normal[i];
@@ -249,7 +251,7 @@ Surface surface_at(const Scene& scene, const Tlas& tlas, const Ray& ray, const H
     const Mesh& mesh = *instance.mesh;
     const Corners corners = corners_of(instance, hit);
     Surface surface;
-    const glm::vec3 local = corners.weights.x * corners.a + corners.weights.y * corners.b + corners.weights.z * corners.c;
+    const glm::vec3 local = corners.point();
     surface.position = instance.is_identity ? local : instance.world_from_local.point(local);
     surface.error = corners.error;
     surface.material = material_of(mesh, hit.primitive);

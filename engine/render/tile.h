@@ -87,7 +87,7 @@ private:
     /// What a punctual light would bring if nothing were in its way.
     struct Offer {
         const PunctualLight* light;
-        glm::vec3 origin, toward;  // of a ray
+        glm::vec3 toward;
         glm::vec3 radiance;
         float weight;  // its strongest colour; above 0
     };

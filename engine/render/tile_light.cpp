@@ -20,9 +20,9 @@ glm::vec3 point_of(const Instance& instance, const Hit& hit) {
 }
 
 /// From a ray's origin, a light may turn out to be on the surface's other side: the surface itself is in the way.
+/// normal     of the surface that the ray leaves.
 /// toward     the light, from the surface.
-bool is_behind(const Surface& surface, const glm::vec3& toward, const Ray& ray) {
-    const glm::vec3& normal = is_turned_away(surface, toward) ? surface.smooth : surface.ng;
+bool is_behind(const glm::vec3& normal, const glm::vec3& toward, const Ray& ray) {
     return (glm::dot(normal, ray.direction) > 0.0f) != (glm::dot(normal, toward) > 0.0f);
 }
 
@@ -48,11 +48,12 @@ void TileTracer::add_sun(const Surface& surface, const Hit& hit, const Bsdf& bsd
     const Sun& sun = pass_->lighting.sun;
     if (sun.is_dark()) return;
     const glm::vec3 toward = sun.sample(uniform_2d(paths_[path_index].key, dimension(Use::kSun, bounce)));
+    const glm::vec3 value = bsdf.evaluate_sharp(toward);
+    if (!(largest(value) > 0.0f)) return;
     const std::optional<glm::vec3> origin = leave_smoothly(pass_->tlas, hit, surface, toward);
     if (!origin) return;
     const float weight = is_last(bounce) ? 1.0f : weight_of_light(sun.density(), bsdf.evaluate(toward).density);
-    add_shadow({.origin = *origin, .direction = toward}, path_index,
-               sun.irradiance() * bsdf.evaluate_sharp(toward) * weight);
+    add_shadow({.origin = *origin, .direction = toward}, path_index, sun.irradiance() * value * weight);
 }
 
 /// Looks for light of an environment where it is bright. Only where a bounce may find it, too.
@@ -79,11 +80,8 @@ void TileTracer::add_punctual_light(const Surface& surface, const Hit& hit, cons
         if (at.irradiance == glm::vec3(0.0f)) continue;
         const glm::vec3 radiance = at.irradiance * bsdf.evaluate_sharp(at.toward);
         const float weight = largest(radiance);
-        if (!(weight > 0.0f)) continue;
-        const std::optional<glm::vec3> origin = leave_smoothly(pass_->tlas, hit, surface, at.toward);
-        if (!origin) continue;
         total += weight;
-        offers_.push_back({&light, *origin, at.toward, radiance, weight});
+        if (weight > 0.0f) offers_.push_back({&light, at.toward, radiance, weight});
     }
     if (!(total > 0.0f) || !std::isfinite(total)) return;
 
@@ -94,11 +92,14 @@ void TileTracer::add_punctual_light(const Surface& surface, const Hit& hit, cons
         left -= offer.weight;
         if (left < 0.0f) break;
     }
-    Ray ray{.origin = chosen->origin, .direction = chosen->toward};
+    const std::optional<glm::vec3> origin = leave_smoothly(pass_->tlas, hit, surface, chosen->toward);
+    if (!origin) return;
+    Ray ray{.origin = *origin, .direction = chosen->toward};
     if (chosen->light->kind != LightKind::kDirectional) {
         ray.direction = chosen->light->position - ray.origin;
         ray.t_max = 1.0f - 0x1p-20f;  // What holds the light at its very place does not shade it.
-        if (is_behind(surface, chosen->toward, ray)) return;
+        const glm::vec3& normal = is_turned_away(surface, chosen->toward) ? surface.smooth : surface.ng;
+        if (is_behind(normal, chosen->toward, ray)) return;
     }
     add_shadow(ray, path_index, chosen->radiance * (total / chosen->weight));
 }
@@ -122,7 +123,7 @@ void TileTracer::add_glow(const Surface& surface, const Bsdf& bsdf, uint32_t pat
     ray.direction = leave(lamp, -toward) - ray.origin;
     ray.t_max = 1.0f;
     const glm::vec3 radiance = lamp.emission * lamp.opacity * scattered.value;
-    if (is_behind(surface, toward, ray)) return;
+    if (is_behind(surface.ng, toward, ray)) return;
     add_shadow(ray, path_index, radiance * (weight_of_light(density, scattered.density) / density), Toward::kSurface);
 }
 

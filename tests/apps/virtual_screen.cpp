@@ -49,19 +49,10 @@ bool VirtualScreen::is_there() {
 
 VirtualScreen::VirtualScreen(int width, int height, bool repeats_keys) {
     const std::string size = std::to_string(width) + "x" + std::to_string(height) + "x24";
-    const std::vector<std::string> command = {"Xvfb",
-                                              "-displayfd",
-                                              "1",
-                                              "-screen",
-                                              "0",
-                                              size,
-                                              "-nolisten",
-                                              "tcp",
-                                              "-noreset",
-                                              "-nocursor",
-                                              "-fbdir",
-                                              folder_.path(),
-                                              repeats_keys ? "r" : "-r"};
+    const std::string repeats = repeats_keys ? "r" : "-r";
+    const std::vector<std::string> command = {"Xvfb",  "-displayfd", "1",           "-screen",  "0",
+                                              size,    "-nolisten",  "tcp",         "-noreset", "-nocursor",
+                                              repeats, "-fbdir",     folder_.path()};
     server_ = std::make_unique<RunningProgram>(command, folder_.path());
     // It prints its number when it is ready.
     if (!wait_until([&] { return server_->out().find('\n') != std::string::npos; }))
